@@ -23,7 +23,7 @@ Names by topic
 
 **Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Relaxation, RollerProfile, Load, Creepage,
 Friction, Wear, Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue,
-FatigueVolume, Strength, Residual, ResidualStress, Heat, Bulk, Thermal; builtin_names
+FatigueVolume, Strength, Residual, ResidualStress, Inclusion, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
@@ -37,7 +37,7 @@ wear_profiles, WornProfiles
 open_history, report, export_surface, export_volume
 
 **Stress and fatigue** stress_at, stress_maximum, stress_on_plane, stress_on_planes, stress_path,
-stress_volume, fatigue
+stress_volume, fatigue, around_inclusions
 
 **Any file** open_any, Document
 

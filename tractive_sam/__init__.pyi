@@ -102,6 +102,7 @@ from .scene import Friction as Friction
 from .scene import FrictionCourse as FrictionCourse
 from .scene import Gap as Gap
 from .scene import Heat as Heat
+from .scene import Inclusion as Inclusion
 from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
 from .scene import LoadHistory as LoadHistory
@@ -142,6 +143,7 @@ from .studies import StudyResults as StudyResults
 from .studies import explain_study as explain_study
 from .studies import open_study as open_study
 from .studies import study as study
+from .subsurface import around_inclusions as around_inclusions
 from .subsurface import fatigue as fatigue
 from .subsurface import stress_at as stress_at
 from .subsurface import stress_maximum as stress_maximum

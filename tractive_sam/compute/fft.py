@@ -425,8 +425,55 @@ class EdgeTransform:
         self._plan.execute()
 
 
+class BoxTransform:
+    """FFTs of fields over the three axes of a box, planned once.
+
+    Parameters
+    ----------
+    fields : int
+        Number of fields transformed together.
+    padded : tuple of int
+        Shape (p_1, p_2, p_3) of each, the last one even.
+
+    Attributes
+    ----------
+    values : ndarray, shape (fields, p_1, p_2, p_3)
+        Fields, the input of `forward` and the output of `backward`.
+    spectrum : ndarray of complex, shape (fields, p_1, p_2, p_3/2 + 1)
+        Spectra of the fields.
+    """
+
+    def __init__(self, fields: int, padded: tuple[int, int, int]):
+        self.values = pyfftw.zeros_aligned((fields, *padded))
+        half = (fields, *padded[:2], padded[2] // 2 + 1)
+        self.spectrum = pyfftw.zeros_aligned(half, dtype=complex)
+        real, complex_ = self.values, self.spectrum
+        self._forward = [plan(real, complex_, 3, "FFTW_FORWARD")]
+        self._forward += [plan(complex_, complex_, axis, "FFTW_FORWARD") for axis in (2, 1)]
+        self._backward = [plan(complex_, complex_, axis, "FFTW_BACKWARD") for axis in (1, 2)]
+        self._backward.append(plan(complex_, real, 3, "FFTW_BACKWARD"))
+
+    def forward(self, fields: np.ndarray) -> np.ndarray:
+        """Return the spectra of fields (fields, n_1, n_2, n_3), padded with zeros."""
+        self.values[...] = 0.0
+        self.values[tuple(map(slice, fields.shape))] = fields
+        for step in self._forward:
+            step.execute()
+        return self.spectrum
+
+    def backward(self, spectrum: np.ndarray) -> np.ndarray:
+        """Return the inverse transform of spectra, padded, times p_1 p_2 p_3."""
+        self.spectrum[...] = spectrum
+        for step in self._backward:
+            step.execute()
+        return self.values
+
+
 layer_transform = PlanCache(LayerTransform, 8)
 """The `LayerTransform` of its arguments, made on its first use."""
 
 edge_transform = PlanCache(EdgeTransform, 8)
 """The `EdgeTransform` of its arguments, made on its first use."""
+
+box_transform = PlanCache(BoxTransform, 4)
+"""The `BoxTransform` of its arguments, made on its first use."""

@@ -62,10 +62,10 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
     """
     Scene.find_field(base_of(key))
     value = value_of(scene, key)
-    if isinstance(value, tuple) and len(value) == 2 and value[0] == value[1]:
+    if isinstance(value, tuple) and len(set(value)) == 1:
         value = value[0]
-    if isinstance(value, tuple) and len(value) == 2:
-        raise SceneError([Fault(key, shorten(value), f"its two numbers: {key}[0], {key}[1]")])
+    if isinstance(value, tuple) and len(value) in (2, 3):
+        raise SceneError([Fault(key, shorten(value), f"one of its numbers: {key}[0], {key}[1]")])
     if key != base_of(key) and value is None:
         raise SceneError([Fault(key, "nothing", f"a scene that gives the pair {base_of(key)}")])
     if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):

@@ -1,6 +1,8 @@
 """What `operators` lets out, for `__init__.py` and for type checkers."""
 
 from .advection import Advection as Advection
+from .eigenstrain import EigenstrainBox as EigenstrainBox
+from .eigenstrain import isotropic_stiffness as isotropic_stiffness
 from .elastic import Box as Box
 from .elastic import Lattice as Lattice
 from .elastic import Operators as Operators

@@ -451,8 +451,8 @@ def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 
 
 def _visible_range(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
-    """Return the slice shown of a stress plane's axis: all depths; x, y around the contact."""
-    if name == "depth":
+    """Return the slice shown of a stress plane's axis: x, y around the contact, all of others."""
+    if name not in ("x", "y"):
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)
     touched = touching.any(axis=1 if name == "x" else 0)

@@ -204,6 +204,8 @@ class PlaneSection:
     def place(self) -> str:
         """Position of the plane, as math text."""
         plane = self.stress.plane
+        if plane.label:
+            return f"around {plane.label.replace('-', ' ')}"
         unit = {"": r"\,\mathrm{mm}", "a": r"\,a", "b": r"\,b"}[plane.unit]
         if plane.unit and self.scale:
             unit = rf"\,{self.scale.a_symbol if plane.unit == 'a' else self.scale.b_symbol}"
@@ -228,10 +230,12 @@ class PlaneSection:
 
     def length_label(self, name: str) -> str:
         """Return the label of an axis or length, as math text."""
+        name = name.replace("along", r"\Delta x")
         return f"${name}/{self.scale.a_symbol}$" if self.scale else f"${name}$ (mm)"
 
     def format_coordinate(self, name: str, value: float) -> str:
         """Return a coordinate of a point, as math text."""
+        name = name.replace("along", r"\Delta x")
         if value == 0.0:
             return f"${name} = 0$"
         if self.scale is None:
@@ -431,6 +435,8 @@ def _draw_through_depth(
     along, depth = first.axes
     left, right = _visible_range(first, view, 0)
     ends = -float(depth[-1]) * (not all(above)), float(depth[-1]) * any(above)
+    if first.stress.plane.label:
+        ends = -float(depth[-1]), -float(depth[0])
     frame = MapFrame.from_sides(left, right, *ends, width=0.9 * LOOK.width)
     figure, (axes,) = _new_panels(frame, sections, view, 1)
     name = "depth " if single else ""
@@ -444,7 +450,8 @@ def _draw_through_depth(
         _mark_maxima(axes, section, upwards)
         if not single:
             _name_body(axes, section, upwards)
-    axes.axhline(0.0, color="black", linewidth=0.7)
+    if not first.stress.plane.label:
+        axes.axhline(0.0, color="black", linewidth=0.7)
     axes.plot(along, np.where(first.touching, 0.0, np.nan), color="black", linewidth=2.2)
     _add_colour_bar(figure, axes, filled, first)
     return figure
@@ -479,7 +486,7 @@ def _visible_range(
     The margin next to the contact is in half widths a.
     """
     first, last = section.axes[axis][[0, -1]].tolist()
-    if view is None:
+    if view is None or section.names[axis] not in ("x", "y"):
         return first, last
     if section.names[axis] == "x":
         contact = view.x_over_a[view.contact.touching.any(axis=1)]

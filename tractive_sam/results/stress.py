@@ -74,7 +74,8 @@ class PlaneStress(ShortArrays):
         The constant x, y or depth of the plane, mm.
     axes : dict of str to ndarray
         Names and coordinates of the two axes of the arrays, in their order, mm: "y" and "depth"
-        at constant x, "x" and "depth" at constant y, "x" and "y" at constant depth.
+        at constant x, "x" and "depth" at constant y, "x" and "y" at constant depth; "along" and
+        "depth" around an inclusion, the first from its centre.
     components : dict of str to ndarray
         xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
     block : int, optional
@@ -106,10 +107,9 @@ class PlaneStress(ShortArrays):
     def table(self) -> Table:
         """The stress as a table, with the equivalent stress of von Mises."""
         depth = Quantity("depth", "mm", "depth below the surface of the body")
-        axes = {
-            name: Variable(MESH_AXES.get(name, depth), (name,), values)
-            for name, values in self.axes.items()
-        }
+        along = Quantity("along", "mm", "distance from the centre of an inclusion along x")
+        about = {**MESH_AXES, "depth": depth, "along": along}
+        axes = {name: Variable(about[name], (name,), values) for name, values in self.axes.items()}
         values = self.components | {VON_MISES.name: self.by(VON_MISES)}
         variables = {name: Variable(STRESS[name], tuple(axes), values[name]) for name in STRESS}
         return Table(variables, axes, {"position": self.position})
@@ -123,7 +123,8 @@ class PlaneStress(ShortArrays):
         axes = {name: axis.data for name, axis in table.axes.items()}
         components = {name: table[name] for name in COMPONENTS}
         position = table.attributes["position"]
-        return cls(body, Plane.parse(plane), position, axes, components, block)
+        named = Plane("y", position, label=plane) if "along" in axes else Plane.parse(plane)
+        return cls(body, named, position, axes, components, block)
 
     @property
     def along(self) -> tuple[str, np.ndarray]:

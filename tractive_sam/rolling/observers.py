@@ -51,7 +51,9 @@ from tractive_sam.scene import FatigueVolume
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.subsurface import (
     Course,
+    InclusionStress,
     LocalSteel,
+    around_inclusions,
     check_depths,
     course_fatigue,
     cycle_depths,
@@ -130,6 +132,92 @@ class LargestStress(Observer):
             return ()
         laws = self.model.blocks[block].laws
         return tuple(stress_on_planes(self.contacts[block], laws=laws))
+
+
+@dataclass(frozen=True, eq=False)
+class AroundInclusions(Observer):
+    """Observer of the stress around inclusions, as they pass below the contact ([[inclusion]]).
+
+    Attributes
+    ----------
+    contacts : tuple of State
+        Contacts of the last step, one for each block.
+    model : Model
+        The scene in numbers.
+    """
+
+    name, key, unsolved = "inclusions", "inclusion", True
+
+    contacts: tuple[State, ...] = ()
+    model: Model | None = None
+
+    def begin(self, step: Any, model: Model) -> "AroundInclusions":
+        """Return the observer with the contacts of the first step; see `Observer.begin`."""
+        return self.after(step, model)
+
+    def after(self, step: Any, model: Model) -> "AroundInclusions":
+        """Return the observer with the contacts of a later step."""
+        return AroundInclusions(step.contacts, model)
+
+    def describe(self, model: Model) -> Iterator[Row]:
+        """Yield the rows (label, text) that `explain` prints for the observer."""
+        text = "the equivalent inclusion method, with every record; the bodies stay elastic"
+        yield Row("stress around inclusions", text)
+
+    @property
+    def columns(self) -> tuple[Quantity, ...]:
+        """Columns of the inclusions of each body, of that with the largest value."""
+        mises = "inclusion_von_mises", "MPa", "largest von Mises stress beside an inclusion"
+        used = "inclusion_utilisation", "1", "largest utilisation beside an inclusion"
+        largest: dict[str, Any] = {"dims": ("body",), "over_blocks": "largest"}
+        place: dict[str, Any] = {"dims": ("body", "position")}
+        columns = [
+            Quantity(*mises, **largest),
+            Quantity("inclusion_von_mises_at", "mm", "its position (x, y, depth)",
+                     place_of="inclusion_von_mises", **place),
+            Quantity("inclusion_tension", "MPa", "largest tension in an inclusion", **largest),
+            Quantity("inclusion_lift", "mm", "largest displacement of the surface by inclusions, "
+                     "out of the body", **largest),
+        ]  # fmt: skip
+        if self.model is not None and self.model.scene.has("fatigue.limit"):
+            columns += [
+                Quantity(*used, **largest),
+                Quantity("inclusion_utilisation_at", "mm", "its position (y, depth)",
+                         place_of="inclusion_utilisation", **place),
+            ]  # fmt: skip
+        return tuple(columns)
+
+    @cached_property
+    def around(self) -> tuple[tuple[InclusionStress, ...], ...]:
+        """Stress around the inclusions below the contact of each block."""
+        blocks = zip(self.contacts, required(self.model, "model").blocks, strict=True)
+        return tuple(around_inclusions(contact, block.laws) for contact, block in blocks)
+
+    def record_block(self, block: int) -> dict[str, dict[str, Any]]:
+        """Return the columns of a block, by name and body."""
+        values: dict[str, dict[str, Any]] = {column.name: {} for column in self.columns}
+        for body in BODIES:
+            here = [one for one in self.around[block] if one.body == body]
+            for name in ("von_mises", "tension", "lift", "utilisation"):
+                if here and f"inclusion_{name}" in values:
+                    top = max(
+                        here, key=lambda one: np.nan_to_num(getattr(one, name), nan=-math.inf)
+                    )
+                    values[f"inclusion_{name}"][body] = getattr(top, name)
+                    if f"inclusion_{name}_at" in values:
+                        at = top.at if name == "von_mises" else top.utilisation_at
+                        values[f"inclusion_{name}_at"][body] = at
+        return values
+
+    def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
+        """Return the stress around each inclusion at the moment of its largest value."""
+        return tuple(one.plane for one in self.around[block])
+
+    def remark(self, model: Model) -> str:
+        """Return a remark on inclusions that wear has uncovered; empty if there are none."""
+        open_ones = [one.inclusion + 1 for one in self.around[0] if math.isnan(one.von_mises)]
+        listed = ", ".join(map(str, open_ones))
+        return f"; wear has uncovered inclusion {listed}, or one beside it" if open_ones else ""
 
 
 @dataclass(frozen=True, eq=False)

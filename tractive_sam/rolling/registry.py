@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from tractive_sam.contact import Model
-from tractive_sam.rolling.observers import Damage, LargestStress
+from tractive_sam.rolling.observers import AroundInclusions, Damage, LargestStress
 from tractive_sam.rolling.process import Observer, Process, Step
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.transient import TransientProcess
@@ -47,7 +47,7 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
     if Damage.applies_to(scene) and all(kind.key != Damage.key for kind in process.observers):
         cure = f"nothing: {type(process).__name__} has no Damage among its observers"
         raise SceneError([Fault(Damage.key, "with this process", cure)])
-    stress = (LargestStress(),) if LargestStress.applies_to(scene) else ()
+    stress = [kind() for kind in (LargestStress, AroundInclusions) if kind.applies_to(scene)]
     named = (
         build_law(f"observer[{k}].name", table.name, Observer)
         for k, table in enumerate(scene.observer)

@@ -221,7 +221,7 @@ SECTIONS = (
     ("State", ("creepage", "friction", "solver")),
     ("Wear", ("wear",)),
     ("Load spectrum", ("load_history", "duty")),
-    ("Stress", ("subsurface",)),
+    ("Stress", ("subsurface", "inclusion")),
     ("Transient", ("transient",)),
     ("Process", ("process",)),
     ("Observers", ("observer",)),

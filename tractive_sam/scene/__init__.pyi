@@ -16,6 +16,7 @@ from .duty import Spectrum as Spectrum
 from .duty import block_label as block_label
 from .duty import parse_settings as parse_settings
 from .friction import Friction as Friction
+from .inclusion import Inclusion as Inclusion
 from .inputs import ALONG as ALONG
 from .inputs import TEXTS as TEXTS
 from .inputs import FileContent as FileContent

@@ -55,6 +55,7 @@ from .duty import (
     parse_settings,
 )
 from .friction import Friction, without_zero_friction
+from .inclusion import Inclusion, check_inclusions
 from .inputs import TEXTS, Gap, Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
@@ -189,6 +190,9 @@ class Scene(TomlTable):
     subsurface: InnerTable[Subsurface | None] = optional("the subsurface stress")
     fatigue: InnerTable[Fatigue | None] = optional("the fatigue of the material")
     residual: InnerTable[Residual | None] = optional("the residual stress of the bodies")
+    inclusion: tuple[Inclusion, ...] = entry(
+        "inclusions of the bodies", "at least one inclusion, [[inclusion]]", (), min_length=1
+    )
     transient: InnerTable[Transient | None] = optional("changes over the rolling distance")
     process: InnerTable[ProcessTable | None] = optional("a process of another package")
     observer: tuple[ObserverTable, ...] = entry(
@@ -202,6 +206,7 @@ class Scene(TomlTable):
     checks: ClassVar[tuple[Check, ...]] = (
         *SCENE_CHECKS,
         check_rolled_stress,
+        check_inclusions,
         check_roller,
         check_tilt,
     )

@@ -162,11 +162,14 @@ class Plane:
         The position; mm, or multiples of `unit`.
     unit : "", "a" or "b"
         Empty for mm, or the semi-axis of the unworn contact in x or in y.
+    label : str
+        Name of what lies on it, in place of its text form: "inclusion-1".
     """
 
     axis: Literal["x", "y", "z"]
     number: float
     unit: Literal["", "a", "b"] = ""
+    label: str = ""
 
     @classmethod
     def parse(cls, text: object) -> Plane:
@@ -198,7 +201,7 @@ class Plane:
         return self.number * {"": 1.0, "a": a, "b": b}[self.unit]
 
     def __str__(self) -> str:
-        return f"{self.axis}={repr(self.number).removesuffix('.0')}{self.unit}"
+        return self.label or f"{self.axis}={repr(self.number).removesuffix('.0')}{self.unit}"
 
 
 Item = TypeVar("Item")

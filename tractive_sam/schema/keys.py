@@ -449,7 +449,11 @@ def set_key(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
         if allowed:
             return [Fault(key, shorten(value), allowed)]
         if depth < len(path) - 1:
-            inner = inner[name] if isinstance(name, int) else inner.setdefault(name, {})
+            if not isinstance(name, int):
+                inner.setdefault(name, {})
+            if isinstance(inner[name], list | tuple):
+                inner[name] = [*inner[name]]  # numbers of a list are shared with other tables
+            inner = inner[name]
     inner[name] = copy_tables(value)
     return []
 

@@ -118,8 +118,10 @@ class TableBase(BaseModel):
         """
         table: type[TableBase] | None = cls
         array: type[TableBase] | None = None
-        before = ""
-        for name in split_key(key):
+        before, path = "", split_key(key)
+        if isinstance(path[-1], int) and len(path) > 1:  # a number of a list
+            path.pop()
+        for name in path:
             if array and isinstance(name, int):
                 table, array, before = array, None, f"{before}[{name}]"
                 continue

@@ -238,7 +238,9 @@ class StoredRows:
         DamagedError
             With the dataset.
         """
-        axes = tuple(name for name in ("block", "x", "y", "depth") if f"{path}/{name}" in file)
+        axes = tuple(
+            name for name in ("block", "x", "y", "along", "depth") if f"{path}/{name}" in file
+        )
         shared = MESH_AXES if path == "fields" else ()  # fields have the mesh of the history
         variables = {}
         for name, quantity in quantities.items():
@@ -268,7 +270,7 @@ class StoredRows:
             arrays = {name: file.row(f"{self.path}/{name}", row) for name in self.variables}
             axes = {
                 name: file.all_numbers(f"{self.path}/{name}")
-                for name in ("x", "y", "depth", "zeta")
+                for name in ("x", "y", "along", "depth", "zeta")
                 if f"{self.path}/{name}" in file
             }
             about = {

@@ -6,6 +6,9 @@ from .fatigue_cycles import course_fatigue as course_fatigue
 from .fatigue_cycles import cycle_depths as cycle_depths
 from .fatigue_cycles import cycle_fatigue as cycle_fatigue
 from .fatigue_cycles import fatigue as fatigue
+from .inclusions import InclusionGroup as InclusionGroup
+from .inclusions import InclusionStress as InclusionStress
+from .inclusions import around_inclusions as around_inclusions
 from .layered import with_interfaces as with_interfaces
 from .stress_fields import Maximum as Maximum
 from .stress_fields import PlaneStress as PlaneStress

@@ -1,0 +1,269 @@
+"""Inclusions: closed forms of Eshelby, anisotropy, misfit, neighbours, passage of a contact."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.mechanics import von_mises
+from tractive_sam.operators import isotropic_stiffness
+from tractive_sam.studies import cases
+from tractive_sam.subsurface import InclusionGroup, around_inclusions
+from tractive_sam.subsurface.inclusions import surface_points
+
+SHEAR, NU = 80e3, 0.3
+STIFFNESS = isotropic_stiffness(SHEAR, NU)
+UNIAXIAL, TORSION = np.array([0.0, 0.0, 1.0, 0, 0, 0]), np.array([0.0, 0, 0, 0, 1.0, 0])
+SCENE = ts.Scene.builtin("inclusion")
+
+
+def sphere(young=None, poisson=0.3, at=(0.0, 0.0, 1e3), cells=9, **keys):
+    if "stiffness" not in keys:
+        keys |= {"young": young, "poisson": poisson}
+    return ts.Inclusion(at=at, radii=1.0, cells=cells, **keys)
+
+
+def solve(inclusions, stress, **options):
+    """Group, strain and eigenstrain of inclusions in a uniform stress of the body."""
+    group = InclusionGroup(inclusions, SHEAR, NU)
+    strain = np.broadcast_to(
+        np.linalg.solve(STIFFNESS, stress).reshape(6, 1, 1, 1), (6, *group.box.shape)
+    )
+    return group, *group.solve(strain.copy(), **options)
+
+
+def centre_stress(group, strain, eigenstrain):
+    stress = np.tensordot(group.stiffness, strain - eigenstrain, 1)
+    return stress[(slice(None), *(n // 2 for n in group.box.shape))]
+
+
+def eshelby(matrix, stress):
+    """Uniform stress inside a sphere of any stiffness, by Eshelby's tensor of an isotropic body."""
+    alpha, beta = (1 + NU) / (3 * (1 - NU)), 2 * (4 - 5 * NU) / (15 * (1 - NU))
+    tensor = beta * np.eye(6)
+    tensor[:3, :3] += (alpha - beta) / 3.0
+    strain = np.linalg.solve(STIFFNESS, stress)
+    change = matrix - STIFFNESS
+    own = np.linalg.solve(change @ tensor + STIFFNESS, -change @ strain)
+    return STIFFNESS @ (strain + tensor @ own - own)
+
+
+@pytest.mark.parametrize(
+    ("young", "poisson", "inside", "largest", "angle"),
+    [
+        (389e3, 0.25, (1.27578573, -0.06559358), 1.246481, 40.23),  # alumina
+        (380e3, 0.25, (1.26558405, -0.06441595), 1.237240, 40.23),  # TiN
+        (138e3, 0.3, (0.80606978, 0.01599345), 1.193164, 90.0),  # MnS
+        (0.0, 0.3, (0.0, 0.0), 1.980796, 90.0),  # cavity
+        (1e9, 0.3, None, 1.896505, 42.03),  # rigid
+    ],
+)
+def test_a_sphere_in_uniaxial_stress_is_eshelbys(young, poisson, inside, largest, angle):
+    group, strain, eigenstrain = solve([sphere(young, poisson)], UNIAXIAL)
+    stress = centre_stress(group, strain, eigenstrain)
+    if inside is not None:
+        # 9 cells across: cells are partly in the sphere; the error falls with their number.
+        np.testing.assert_allclose(stress[[2, 0]], inside, atol=3e-3)
+    mises = von_mises(group.at_surface(0, strain, eigenstrain))
+    assert mises.max() == pytest.approx(largest, rel=7e-3)
+    _, normals = surface_points(group.inclusions[0], mises.size)
+    place = np.degrees(np.arccos(np.abs(normals[2, mises.argmax()])))
+    assert place == pytest.approx(angle, abs=3.0)  # points are 4 degrees apart
+
+
+def test_a_cavity_in_shear_has_its_largest_stress_out_of_the_plane_of_shear():
+    group, strain, eigenstrain = solve([sphere(0.0)], TORSION)
+    stress = group.at_surface(0, strain, eigenstrain)
+    _, normals = surface_points(group.inclusions[0], stress.shape[-1])
+    mises = von_mises(stress)
+    # At the poles across it: sqrt(3) times 15 (1 - nu)/(7 - 5 nu), as Goodier found in 1933.
+    assert mises.max() == pytest.approx(3.0**0.5 * 15 * (1 - NU) / (7 - 5 * NU), rel=5e-3)
+    assert abs(normals[1, mises.argmax()]) > 0.98
+
+
+def test_errors_fall_at_least_in_proportion_to_the_cells():
+    exact = eshelby(isotropic_stiffness(389e3 / 2.5, 0.25), UNIAXIAL)[2]
+    errors = [
+        abs(centre_stress(*solve([sphere(389e3, 0.25, cells=cells)], UNIAXIAL))[2] - exact)
+        for cells in (7, 15)
+    ]
+    assert errors[1] < 0.5 * errors[0]
+
+
+def test_the_stiffness_of_the_body_changes_nothing():
+    same = ts.Inclusion(
+        at=[0.0, 0.0, 1.5], radii=[1.0, 0.8, 0.7], young=208e3, poisson=0.3, cells=5
+    )
+    _, strain, eigenstrain = solve([same], UNIAXIAL + TORSION)
+    assert np.abs(eigenstrain).max() < 1e-14 / SHEAR  # rounding
+    np.testing.assert_allclose(np.tensordot(STIFFNESS, strain, 1)[2], 1.0, rtol=1e-12)
+
+
+CUBIC = {"C11": 250e3, "C12": 110e3, "C44": 130e3}
+
+
+def test_an_anisotropic_sphere_is_eshelbys():
+    crystal = sphere(stiffness=CUBIC)
+    assert crystal.matrix[3, 3] == 2.0 * 130e3  # of the strain of a tensor
+    for stress in (UNIAXIAL, TORSION):
+        inside = centre_stress(*solve([crystal], stress))
+        np.testing.assert_allclose(inside, eshelby(crystal.matrix, stress), atol=4e-3)
+
+
+def test_named_constants_are_those_of_their_crystal():
+    hexagonal = sphere(stiffness=CUBIC | {"C13": 90e3, "C33": 300e3})
+    rows = np.array(hexagonal.stiffness)
+    assert rows[5, 5] == 70e3
+    assert rows[1, 2] == 90e3
+    assert rows[4, 4] == 130e3
+    isotropic = sphere(stiffness={"C11": 280e3, "C12": 120e3, "C44": 80e3})
+    np.testing.assert_allclose(isotropic.matrix, sphere(208e3).matrix, rtol=1e-12)
+
+
+def test_a_misfit_of_the_same_material_has_the_uniform_stress_of_a_dilating_sphere():
+    swollen = sphere(208e3, eigenstrain=1e-3)
+    group, strain, eigenstrain = solve([swollen], 0.0 * UNIAXIAL, misfit=True)
+    stress = centre_stress(group, strain, eigenstrain)
+    np.testing.assert_allclose(stress[:3], -2 * 208e3 * 1e-3 / (3 * (1 - NU)), rtol=6e-3)  # 9 cells
+    # Outside, sigma_rr = -2 sigma_tt, so that von Mises is 3/2 of the pressure inside.
+    mises = von_mises(group.at_surface(0, strain, eigenstrain))
+    np.testing.assert_allclose(mises, 1.5 * 208e3 * 2e-3 / (3 * (1 - NU)), rtol=1e-2)
+
+
+def test_a_cuboid_is_stiff_in_its_middle_and_its_cells_fit_it():
+    block = ts.Inclusion(at=[0, 0, 1e3], size=[2.0, 1.0, 1.0], young=389e3, poisson=0.25, cells=7)
+    group, strain, eigenstrain = solve([block], UNIAXIAL)
+    assert group.shares.sum() * np.prod(group.box.sides) == pytest.approx(2.0)
+    np.testing.assert_allclose(group.shares, 1.0, rtol=1e-12)
+    assert 1.0 < centre_stress(group, strain, eigenstrain)[2] < 1.4
+
+
+def test_neighbours_change_each_other_the_less_the_farther_they_are():
+    single = von_mises(stress_near_the_first([sphere(0.0, cells=7)])).max()
+    changes = []
+    for distance in (2.5, 5.0):
+        two = [sphere(0.0, at=(x, 0.0, 1e3), cells=7) for x in (0.0, distance)]
+        changes.append(abs(von_mises(stress_near_the_first(two)).max() / single - 1.0))
+    assert changes[1] < 0.02 < changes[0]
+
+
+def stress_near_the_first(inclusions):
+    group, strain, eigenstrain = solve(inclusions, np.array([1.0, 0, 0, 0, 0, 0]))
+    return group.at_surface(0, strain, eigenstrain)
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return ts.solve(SCENE)
+
+
+def changed(contact, **keys):
+    """The contact with other keys of its inclusion: it does not act on the contact."""
+    inclusion = {**SCENE.entries()["inclusion"][0], **keys}
+    return replace(contact, scene=SCENE.replace(inclusion=[inclusion]))
+
+
+def test_an_inclusion_of_the_material_of_the_body_sees_the_stress_of_the_contact(contact):
+    (same,) = around_inclusions(changed(contact, young=208e3, poisson=0.3))
+    direct = von_mises(ts.stress_at(contact, [same.at], "B").T)[0]
+    assert same.von_mises == pytest.approx(direct, rel=2e-3)  # splines between the elements
+    sound = ts.fatigue(contact)["B"].utilisation_max
+    assert same.utilisation < 1.05 * sound
+
+
+def test_alumina_raises_the_utilisation_and_a_void_more(contact):
+    (alumina,) = around_inclusions(contact)
+    (void,) = around_inclusions(changed(contact, young=0.0))
+    (same,) = around_inclusions(changed(contact, young=208e3, poisson=0.3))
+    assert 1.1 < alumina.utilisation / same.utilisation < void.utilisation / same.utilisation
+    assert void.tension == pytest.approx(0.0, abs=0.1)  # MPa; it carries nothing
+
+
+def test_the_section_shows_the_stress_at_the_moment_of_the_largest(contact):
+    (alumina,) = around_inclusions(contact)
+    section = alumina.plane
+    assert list(section.axes) == ["along", "depth"]
+    np.testing.assert_allclose(section.axes["along"], -section.axes["along"][::-1], atol=1e-15)
+    middle = section.components["zz"][section.axes["along"].size // 2]
+    assert middle[np.abs(section.depth - 0.13).argmin()] == pytest.approx(middle.min(), rel=0.05)
+    corner = [alumina.at[0] - alumina.plane.axes["along"][-1], 0.0, float(section.depth[0])]
+    assert section.von_mises.max() < 1.3 * alumina.von_mises
+    assert von_mises(ts.stress_at(contact, [corner], "B").T)[0] > 0.0
+
+
+def test_records_are_stored_resumed_and_named(tmp_path):
+    path = tmp_path / "inclusion.h5"
+    history = ts.roll(SCENE, path)
+    stored = ts.open_history(path)
+    names = [name for name in stored.columns if name.startswith("inclusion")]
+    assert "inclusion_utilisation" in names
+    np.testing.assert_array_equal(stored["inclusion_von_mises"], history["inclusion_von_mises"])
+    section = stored.stress("B", "inclusion-1")
+    np.testing.assert_array_equal(section.von_mises, history.stress("B", "inclusion-1").von_mises)
+    assert str(section.plane) == "inclusion-1"
+
+
+def test_wear_uncovers_an_inclusion(contact):
+    rolling = changed(contact, body="A")
+    (before,) = around_inclusions(rolling)
+    share = rolling.scene.turns.share_of_entering("A")
+    worn = np.full((2, rolling.grid.elements[1]), 0.12 / share)
+    (gone,) = around_inclusions(replace(rolling, wear=worn))
+    assert np.isnan(gone.von_mises)
+    assert np.isnan(gone.plane.von_mises).all()
+    np.testing.assert_array_equal(gone.plane.depth, before.plane.depth)
+
+
+GOOD = {"at": [0.0, 0.0, 0.1], "radii": 0.02, "young": 389e3, "poisson": 0.25}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"body": "C"}, "body"),
+        ({"at": [0.0, 0.1]}, "at"),
+        ({"at": [0.0, 0.0, -0.1]}, "at"),
+        ({"at": [0.0, 0.0, 0.01]}, "at"),
+        ({"radii": -1.0}, "radii"),
+        ({"radii": [1.0, 2.0]}, "radii"),
+        ({"size": 0.02}, "radii"),
+        ({"radii": None}, "radii"),
+        ({"young": None}, "young"),
+        ({"young": -1.0}, "young"),
+        ({"poisson": None}, "poisson"),
+        ({"poisson": 0.5}, "poisson"),
+        ({"stiffness": CUBIC}, "young"),
+        ({"young": None, "poisson": None, "stiffness": [[1.0]]}, "stiffness"),
+        ({"young": None, "poisson": None, "stiffness": CUBIC | {"C12": 300e3}}, "stiffness"),
+        ({"eigenstrain": 0.5}, "eigenstrain"),
+        ({"eigenstrain": [1e-3, 0.0]}, "eigenstrain"),
+        ({"young": 0.0, "eigenstrain": 1e-3}, "eigenstrain"),
+        ({"cells": 3}, "cells"),
+        ({"radius": 0.1}, "radius"),
+    ],
+)
+def test_a_fault_of_an_inclusion(changes, key):
+    table = {name: value for name, value in (GOOD | changes).items() if value is not None}
+    with pytest.raises(ts.SceneError) as error:
+        SCENE.replace(inclusion=[table])
+    assert f"inclusion[0].{key}" in [fault.key for fault in error.value.faults]
+
+
+def test_inclusions_need_a_uniform_body_and_their_own_place():
+    twice = [GOOD, GOOD | {"at": [0.01, 0.0, 0.1]}]
+    with pytest.raises(ts.SceneError) as error:
+        SCENE.replace(inclusion=twice)
+    assert [fault.key for fault in error.value.faults] == ["inclusion[1].at"]
+    coated = {"body.A.layer": [{"thickness": 0.1, "young": 300e3, "poisson": 0.2}]}
+    with pytest.raises(ts.SceneError) as error:
+        SCENE.replace(inclusion=[GOOD | {"body": "A"}], **coated)
+    assert "inclusion[0].body" in [fault.key for fault in error.value.faults]
+
+
+def test_a_study_varies_the_keys_of_an_inclusion():
+    radii = {"key": "inclusion[0].radii", "start": 0.005, "stop": 0.02, "number": 2}
+    depth = {"key": "inclusion[0].at[2]", "values": [0.1, 0.2]}
+    scenes = [case.scene for case in cases(ts.Study(scene="inclusion", axis=[radii, depth]))]
+    assert [scene.inclusion[0].radii[0] for scene in scenes] == [0.005, 0.005, 0.02, 0.02]
+    assert [scene.inclusion[0].at[2] for scene in scenes] == [0.1, 0.2, 0.1, 0.2]

@@ -1,0 +1,581 @@
+"""Stress in and around inclusions below a contact, by the equivalent inclusion method.
+
+An inclusion with the stiffness C_i and the misfit e_p acts as the material of the body with an
+eigenstrain e: C_i (eps - e_p) = C (eps - e), where the strain eps is that of the body without
+inclusions plus that of all eigenstrains (Eshelby 1957; Mura, Micromechanics of Defects in Solids,
+1987, section 22). The eigenstrain is constant in each cell of a box (`EigenstrainBox`). In an
+ellipsoid it is a polynomial of second order of the place: so it is exactly in stress that varies
+with at most the second power of the place, and in a whole space (Eshelby 1961).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+
+from tractive_sam.contact import Laws
+from tractive_sam.description import ShortArrays
+from tractive_sam.mechanics import Material, Steel, principal_stresses, von_mises
+from tractive_sam.operators import EigenstrainBox, isotropic_stiffness
+from tractive_sam.results import COMPONENTS, PlaneStress, Point, State
+from tractive_sam.scene import Inclusion, Plane
+from tractive_sam.solvers import gmres
+from tractive_sam.subsurface.fatigue_cycles import LocalSteel
+from tractive_sam.subsurface.stress_fields import stress_layers, worn_depth
+
+
+@dataclass(frozen=True, eq=False)
+class InclusionGroup:
+    """Inclusions of a body that disturb each other, in the cells of one box.
+
+    Parameters
+    ----------
+    inclusions : sequence of Inclusion
+        The inclusions.
+    shear, poisson : float
+        Shear modulus, MPa, and Poisson's ratio of the body.
+    worn : float
+        Depth worn off the body above them, mm.
+    margin : float
+        Width of the box beyond the inclusions, over their extent.
+
+    Examples
+    --------
+    >>> from tractive_sam.subsurface import InclusionGroup
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 5.0], radii=0.1, young=0.0, cells=15)
+    >>> group = InclusionGroup([hole], shear=80e3, poisson=0.3)
+    >>> tension = np.zeros((6, 15, 15, 15))
+    >>> tension[2] = 1.0
+    >>> strain = np.tensordot(np.linalg.inv(group.stiffness), tension, 1)
+    >>> inside, eigenstrain = group.solve(strain)
+    >>> stress = group.at_surface(0, inside, eigenstrain)
+    >>> round(float(stress[2].max()), 1)  # (27 - 15 nu)/(14 - 10 nu) = 2.05
+    2.0
+    """
+
+    inclusions: Sequence[Inclusion]
+    shear: float
+    poisson: float
+    worn: float = 0.0
+    margin: float = 0.0
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """Places x, y and depth of the inclusions, mm, shape (inclusions, 3)."""
+        return np.array([inclusion.at for inclusion in self.inclusions]) - [0.0, 0.0, self.worn]
+
+    @cached_property
+    def cells(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Depths, x and y of the centres of cells, mm; a single inclusion is in their middle."""
+        half = np.array([inclusion.half for inclusion in self.inclusions])
+        low, high = (self.places - half).min(axis=0), (self.places + half).max(axis=0)
+        sides = 2.0 * half.min(axis=0) / max(inclusion.cells for inclusion in self.inclusions)
+        count = np.maximum(np.ceil((high - low) / sides - 1e-6).astype(int), 1)
+        more = np.ceil(self.margin * count).astype(int)
+        x, y, depth = (
+            0.5 * (a + b) + side * (np.arange(n + 2 * m) - 0.5 * (n + 2 * m - 1))
+            for a, b, side, n, m in zip(low, high, sides, count, more, strict=True)
+        )
+        return depth[depth > 0.5 * sides[2] * (1.0 - 1e-6)], x, y
+
+    @cached_property
+    def box(self) -> EigenstrainBox:
+        """The map from eigenstrain in these cells to the strain in them."""
+        sides = tuple(float(at[1] - at[0]) for at in self.cells)
+        shape = tuple(at.size for at in self.cells)
+        return eigenstrain_box(shape, sides, float(self.cells[0][0] - 0.5 * sides[0]), self.poisson)
+
+    @cached_property
+    def shares(self) -> np.ndarray:
+        """Share of each inclusion in the volume of each cell, shape (inclusions, *shape)."""
+        points = (np.arange(6) - 2.5) / 6.0
+        z, x, y = (
+            (at[:, None] + side * points).ravel()
+            for at, side in zip(self.cells, self.box.sides, strict=True)
+        )
+        shares = []
+        for inclusion, at in zip(self.inclusions, self.places, strict=True):
+            a, b, c = (
+                np.abs(place - middle) / half
+                for place, middle, half in zip((x, y, z), at, inclusion.half, strict=True)
+            )
+            if inclusion.is_ellipsoid:
+                inside = (c**2)[:, None, None] + (a**2)[:, None] + b**2 < 1.0
+            else:
+                inside = (c < 1.0)[:, None, None] & (a < 1.0)[:, None] & (b < 1.0)
+            nz, nx, ny = self.box.shape
+            share = inside.reshape(nz, 6, nx, 6, ny, 6).mean(axis=(1, 3, 5))
+            # The volume is exact, so that the far field is.
+            share *= inclusion.volume / (share.sum() * np.prod(self.box.sides))
+            shares.append(share)
+        return np.array(shares)
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """Share of all inclusions in the volume of each cell, shape (*shape,)."""
+        return self.shares.sum(axis=0)
+
+    @cached_property
+    def owner(self) -> np.ndarray:
+        """Index of the inclusion with the largest share in each cell; -1 in the matrix."""
+        return np.where(self.shares.any(axis=0), self.shares.argmax(axis=0), -1)
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """Stiffness (6, 6) of the body, from the strain of tensors to the stress, MPa."""
+        return isotropic_stiffness(self.shear, self.poisson)
+
+    def contrast(self, k: int) -> np.ndarray:
+        """Return C_i/C - 1 of an inclusion, (6, 6)."""
+        return np.linalg.solve(self.stiffness, self.inclusions[k].matrix - self.stiffness)
+
+    @cached_property
+    def _fits(self) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """For each inclusion: mask of its cells, 1, x, y, z over its extent there, and their fit.
+
+        The fit leaves out cells near the surface of an ellipsoid, which it divides.
+        """
+        z, x, y = self.cells
+        places = np.stack(np.broadcast_arrays(x[:, None], y, z[:, None, None]))
+        fits = []
+        for k, inclusion in enumerate(self.inclusions):
+            mask = self.owner == k
+            linear = self._linear(k, places[:, mask])
+            inner = (linear[1:] ** 2).sum(axis=0) < self.part_of_fit**2
+            fit = np.zeros_like(linear)
+            if inclusion.is_ellipsoid:
+                fit[:, inner] = np.linalg.pinv(linear[:, inner]).T
+            fits.append((mask, linear, fit))
+        return fits
+
+    part_of_fit: ClassVar[float] = 0.7
+    """Radius of the cells whose strain is fitted, over the semi-axes."""
+
+    def _linear(self, k: int, points: np.ndarray) -> np.ndarray:
+        """Return 1 and the coordinates over the extent of an inclusion, at points (3, n)."""
+        scaled = (points - self.places[k][:, None]) / np.reshape(self.inclusions[k].half, (3, 1))
+        return np.concatenate((np.ones_like(scaled[:1]), scaled))
+
+    def inside(self, k: int, field: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
+        """Return a field (..., *shape) inside an inclusion, at points (3, n) or in its cells.
+
+        In an ellipsoid it is the linear field that it has near the centre.
+        """
+        mask, linear, fit = self._fits[k]
+        if not self.inclusions[k].is_ellipsoid:
+            return field[..., mask]
+        return field[..., mask] @ fit.T @ (linear if points is None else self._linear(k, points))
+
+    def at_surface(
+        self, k: int, strain: np.ndarray, eigenstrain: np.ndarray, count: int = 642
+    ) -> np.ndarray:
+        """Return the stress of the matrix at the surface of an ellipsoid, (6, ..., count), MPa.
+
+        Tractions, and the strain in the surface, are continuous (Hill 1961).
+
+        Parameters
+        ----------
+        k : int
+            The inclusion.
+        strain, eigenstrain : ndarray, shape (6, ..., *shape)
+            Strain, and eigenstrain of the inclusions, in the cells.
+        count : int
+            Number of points, see `surface_points`.
+        """
+        points, normals = surface_points(self.inclusions[k], count)
+        places = points + self.places[k][:, None]
+        inside, own = (self.inside(k, values, places) for values in (strain, eigenstrain))
+        missing = np.tensordot(self.stiffness, own, 1)
+        traction = np.zeros((3, *inside.shape[1:]))
+        for c, (i, j) in enumerate(EigenstrainBox.axes):
+            traction[i] -= missing[c] * normals[j]
+            if i != j:
+                traction[j] -= missing[c] * normals[i]
+        # The strain jumps by (b n + n b)/2 with mu b + (lambda + mu) n (n.b) = the traction.
+        along = 0.5 / (1.0 - self.poisson) * sum(traction * _like(normals, traction))
+        step = (traction - along * _like(normals, traction)) / self.shear
+        for c, (i, j) in enumerate(EigenstrainBox.axes):
+            inside[c] += 0.5 * (step[i] * normals[j] + step[j] * normals[i])
+        return np.tensordot(self.stiffness, inside, 1)
+
+    def _respond(self, field: np.ndarray) -> np.ndarray:
+        """Return C_i/C - 1 times a strain in each inclusion, where in an ellipsoid it is linear."""
+        result = np.zeros_like(field)
+        for k in range(len(self.inclusions)):
+            result[:, self._fits[k][0]] = self.contrast(k) @ self.inside(k, field)
+        return result
+
+    def solve(
+        self, strain: np.ndarray, misfit: bool = False, tolerance: float = 1e-5, steps: int = 80
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the strain and the eigenstrain, (6, *shape), in a strain without inclusions.
+
+        The eigenstrain counts by the share of the inclusions in a cell.
+
+        Parameters
+        ----------
+        strain : ndarray, shape (6, *shape)
+            Strain of tensors.
+        misfit : bool
+            Whether the inclusions have their misfit.
+        tolerance : float
+            Relative residual.
+        steps : int
+            Most iterations.
+        """
+        # Between those of a void and of a rigid inclusion, so that no contrast is too large.
+        scales = [np.eye(6) + 0.5 * self.contrast(k) for k in range(len(self.inclusions))]
+
+        def scaled(field: np.ndarray) -> np.ndarray:
+            for k, scale in enumerate(scales):
+                mask = self._fits[k][0]
+                field[:, mask] = np.linalg.solve(scale, field[:, mask])
+            return field.ravel()
+
+        def operator(values: np.ndarray) -> np.ndarray:
+            field = values.reshape(strain.shape)
+            return scaled(field + self._respond(self.box(self.share * field)))
+
+        right = -self._respond(strain)
+        for k, inclusion in enumerate(self.inclusions) if misfit else ():
+            own = np.array(inclusion.misfit)
+            right[:, self._fits[k][0]] += (own + self.contrast(k) @ own)[:, None]
+        found, _ = gmres(operator, lambda values: values, scaled(right), tolerance, steps)
+        eigenstrain = found.reshape(strain.shape)
+        return strain + self.box(self.share * eigenstrain), eigenstrain
+
+
+@lru_cache(4)
+def eigenstrain_box(*arguments: Any) -> EigenstrainBox:
+    """Return the box of its arguments, with its spectra after its first use."""
+    return EigenstrainBox(*arguments)
+
+
+def _like(normals: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Return normals (3, n) in the dimensions of a field (3, ..., n)."""
+    return normals.reshape(3, *(1,) * (field.ndim - 2), -1)
+
+
+def surface_points(inclusion: Inclusion, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return points of an ellipsoid about its centre, mm, and unit normals, both of shape (3, n).
+
+    The points are those of a spiral with equal areas on the sphere.
+    """
+    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    angle = math.pi * (1.0 + math.sqrt(5.0)) * np.arange(count)
+    ring = np.sqrt(1.0 - z * z)
+    sphere = np.stack([ring * np.cos(angle), ring * np.sin(angle), z])
+    half = np.reshape(inclusion.half, (3, 1))
+    return half * sphere, sphere / half / np.linalg.norm(sphere / half, axis=0)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InclusionStress(ShortArrays):
+    """Stress around an inclusion as it passes below a contact.
+
+    Attributes
+    ----------
+    inclusion : int
+        Its place in [[inclusion]], from 0.
+    body : str
+        "A" or "B".
+    von_mises : float
+        Largest equivalent stress of von Mises in the body beside it, MPa.
+    at : tuple of float
+        Position (x, y, depth) of this point at that moment, mm.
+    tension : float
+        Largest tensile stress inside, MPa; below 0 if there is compression at all times.
+    utilisation : float
+        Largest utilisation of the body beside it; nan without a fatigue limit.
+    utilisation_at : tuple of float
+        Its position (nan, y, depth), mm.
+    lift : float
+        Largest displacement of the surface above it that it causes, out of the body, mm.
+    plane : PlaneStress
+        Stress around it at the moment of the largest von Mises stress, over the distance from its
+        centre along x and the depth below the unworn surface; depths worn off have nan.
+    """
+
+    inclusion: int
+    body: str
+    von_mises: float
+    at: Point
+    tension: float
+    utilisation: float
+    utilisation_at: Point
+    lift: float
+    plane: PlaneStress
+
+
+def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[InclusionStress, ...]:
+    """Return the stress around each inclusion of a scene as it passes below a contact.
+
+    Inclusions whose centres are farther apart than three times their extent do not disturb each
+    other. If wear has uncovered an inclusion, it and those that it disturbs have nan.
+
+    Parameters
+    ----------
+    contact : State
+        The solved contact of a scene with [[inclusion]].
+    laws : Laws, optional
+        Laws of the bodies; by default the laws of the solution.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 1.5], radii=0.1, young=0.0, cells=7)
+    >>> (around,) = ts.around_inclusions(ts.solve(scene.replace(inclusion=[hole])))
+    >>> round(around.von_mises / scene.hertz.p0, 1)
+    1.3
+    """
+    laws = laws or Laws.of_contact(contact, ("elasticity", "fatigue"))
+    inclusions, results = contact.scene.inclusion, dict[int, InclusionStress]()
+    left = list(range(len(inclusions)))
+    while left:
+        group = [left.pop(0)]
+        for k in group:  # it grows
+            for n in [*left]:
+                one, other = inclusions[k], inclusions[n]
+                reach = 3.0 * (max(one.half) + max(other.half))
+                if one.body == other.body and math.dist(one.at, other.at) < reach:
+                    group.append(n)
+                    left.remove(n)
+        body = inclusions[group[0]].body
+        depth = worn_depth(contact, body)
+        worn = max(np.interp(inclusions[k].at[1], contact.grid.y, depth) for k in group)
+        results |= _Passing(contact, laws, body, sorted(group), float(worn)).results()
+    return tuple(results[k] for k in sorted(results))
+
+
+@dataclass(frozen=True, eq=False)
+class _Passing:
+    """Passage of a group of inclusions below a contact.
+
+    Attributes
+    ----------
+    contact, laws, body : State, Laws, str
+        The contact, and the body that contains them.
+    numbers : list of int
+        Their places in [[inclusion]].
+    worn : float
+        Depth worn off, mm.
+    """
+
+    contact: State
+    laws: Laws
+    body: str
+    numbers: list[int]
+    worn: float
+
+    moments: ClassVar[int] = 101
+    """Positions of the inclusions below the contact."""
+    tolerance: ClassVar[float] = 1e-4
+    """Part of the loads at all positions that is left out."""
+    nodes: ClassVar[int] = 8
+    """Depths at which the stress of the contact is computed."""
+
+    @cached_property
+    def group(self) -> InclusionGroup:
+        """The inclusions in the smallest box."""
+        inclusions = [self.contact.scene.inclusion[k] for k in self.numbers]
+        material = self.contact.scene.body.responses[self.body]
+        assert isinstance(material, Material)
+        return InclusionGroup(inclusions, material.shear, material.poisson, self.worn)
+
+    @cached_property
+    def outer(self) -> InclusionGroup:
+        """The inclusions with the body around them."""
+        return replace(self.group, margin=0.5)
+
+    @cached_property
+    def x(self) -> np.ndarray:
+        """Positions of the middle of the inclusions, from the leading side on, mm."""
+        depth = self.group.cells[0].mean()
+        reach = self.contact.half_width_x + 3.0 * depth
+        return self.contact.grid.centre[0] + np.linspace(reach, -reach, self.moments)
+
+    def loads(self, group: InclusionGroup) -> Iterator[np.ndarray]:
+        """Yield the stress (6, *shape) without inclusions in the cells of a box, by position."""
+        depth, x, y = group.cells
+        grid = self.contact.grid
+        centre, half = 0.5 * (depth[0] + depth[-1]), 0.5 * (depth[-1] - depth[0])
+        cosines = np.cos(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
+        reach = np.abs(self.x - grid.centre[0]).max() + np.ptp(x)
+        beyond = max(0, math.ceil((reach - grid.half_length[0]) / grid.dx) + 2)
+        layers = stress_layers(
+            self.contact, centre + half * cosines, self.body, beyond, 1, self.laws, residual=False
+        )
+        values = np.stack([stress[0] for _, stress in layers])  # depth, component, x, y
+        # Chebyshev polynomials over the depth, splines over x and y.
+        order = np.arange(self.nodes)
+        scaled = np.clip((depth - centre) / half, -1.0, 1.0)
+        here, known = (np.cos(np.arccos(at)[:, None] * order) for at in (scaled, cosines))
+        at_depth = here @ np.linalg.inv(known)
+        values = np.tensordot(at_depth, values, 1)
+        if grid.y.size > 3:
+            spline = scipy.interpolate.CubicSpline(grid.y, values, axis=3)
+            values = spline(np.clip(y, grid.y[0], grid.y[-1]))
+        else:  # a line contact
+            values = np.repeat(values[..., :1], y.size, axis=3)
+        course = scipy.interpolate.CubicSpline(grid.lengthened(beyond).x, values, axis=2)
+        for place in self.x:
+            yield course(place + x - x.mean()).swapaxes(0, 1)
+
+    def constant(self, group: InclusionGroup) -> np.ndarray:
+        """Return the residual stress (6, *shape) in the cells of a box."""
+        stress = np.zeros((6, *group.box.shape))
+        steel = self.contact.scene.steel.get(self.body, Steel())
+        if (residual := steel.stress(group.cells[0] + self.worn)) is not None:
+            stress[:2] = residual[..., None, None]
+        return stress
+
+    @cached_property
+    def shares(self) -> np.ndarray:
+        """Factors (positions + 1, n) of a few loads; the last load is constant, and acts alone."""
+        inside = self.group.owner >= 0
+        loads = np.array([load[:, inside].ravel() for load in self.loads(self.group)])
+        sizes, vectors = np.linalg.eigh(loads @ loads.T)
+        shares = np.zeros(
+            (len(loads) + 1, 1 + np.count_nonzero(sizes > self.tolerance**2 * sizes[-1]))
+        )
+        shares[:-1, :-1] = vectors[:, len(sizes) + 1 - shares.shape[1] :]
+        shares[:, -1] = 1.0
+        return shares
+
+    def combine(self, group: InclusionGroup) -> np.ndarray:
+        """Return the few loads (n, 6, *shape) as strains, without inclusions, in a box."""
+        total = np.zeros((self.shares.shape[1], 6, *group.box.shape))
+        for share, load in zip(self.shares, self.loads(group), strict=False):
+            total[:-1] += np.multiply.outer(share[:-1], load)
+        total[-1] = self.constant(group)
+        return np.tensordot(total, np.linalg.inv(self.group.stiffness), (1, 1)).transpose(
+            0, 4, 1, 2, 3
+        )
+
+    @cached_property
+    def solved(self) -> tuple[np.ndarray, np.ndarray]:
+        """Strain and eigenstrain (6, n, *shape) in each of the few loads."""
+        strains = self.combine(self.group)
+        last = len(strains) - 1
+        pairs = [self.group.solve(load, misfit=k == last) for k, load in enumerate(strains)]
+        return np.stack([one for one, _ in pairs], 1), np.stack([two for _, two in pairs], 1)
+
+    def widen(self, field: np.ndarray) -> np.ndarray:
+        """Return a field of the smallest box in the wider one, 0 around it."""
+        inner, outer = self.group.cells, self.outer.cells
+        wide = np.zeros((*field.shape[:-3], *self.outer.box.shape))
+        first = [int(np.abs(two - one[0]).argmin()) for one, two in zip(inner, outer, strict=True)]
+        z, x, y = (slice(k, k + at.size) for k, at in zip(first, inner, strict=True))
+        wide[..., z, x, y] = field
+        return wide
+
+    @cached_property
+    def around(self) -> np.ndarray:
+        """Strain (6, n, *shape) in the wider box in each of the few loads."""
+        own = self.widen(self.group.share * self.solved[1]).swapaxes(0, 1)
+        fields = [
+            load + self.outer.box(e) for load, e in zip(self.combine(self.outer), own, strict=True)
+        ]
+        return np.stack(fields, axis=1)
+
+    def near(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the stress (6, positions + 1, points) beside an inclusion, and points (3, points).
+
+        The points are those of the surface of an ellipsoid, and the cells next to a cuboid.
+        """
+        inclusion, place = self.group.inclusions[k], self.group.places[k]
+        if inclusion.is_ellipsoid:
+            stress = self.group.at_surface(k, *self.solved)
+            points = surface_points(inclusion, stress.shape[-1])[0] + place[:, None]
+        else:
+            near = scipy.ndimage.binary_dilation(self.outer.owner == k, np.ones((3, 3, 3)))
+            near &= self.outer.owner < 0
+            stress = np.tensordot(self.group.stiffness, self.around[..., near], 1)
+            z, x, y = self.outer.cells
+            points = np.stack(
+                [np.broadcast_to(at, near.shape)[near] for at in (x[:, None], y, z[:, None, None])]
+            )
+        points[0] -= self.group.cells[1].mean()
+        return np.einsum("pn,cnk->cpk", self.shares, stress), points
+
+    def section(self, k: int, moment: int | None) -> PlaneStress:
+        """Return the stress around an inclusion on the plane through its centre; nan at no moment.
+
+        It always has as many depths, from those of the unworn body on.
+        """
+        z, x, y = replace(self.outer, worn=0.0).cells
+        row = int(np.abs(y - self.group.places[k][1]).argmin())
+        values = np.full((6, x.size, z.size), np.nan)
+        if moment is not None:
+            load = self.constant(self.outer)
+            if moment < self.moments:
+                load = load + next(v for i, v in enumerate(self.loads(self.outer)) if i == moment)
+            strain, own = (np.tensordot(v, self.shares[moment], (1, 0)) for v in self.solved)
+            change = self.outer.box(self.widen(self.group.share * own))
+            stress = load + np.tensordot(self.group.stiffness, change, 1)
+            inside = np.zeros_like(strain)
+            for n in range(len(self.numbers)):
+                elastic = self.group.inside(n, strain) - self.group.inside(n, own)
+                inside[:, self.group.owner == n] = self.group.stiffness @ elastic
+            mostly = self.outer.share > 0.5
+            stress[:, mostly] = self.widen(inside)[:, mostly]
+            values[..., z.size - len(stress[0]) :] = stress[..., row].swapaxes(1, 2)
+        axes = {"along": x - self.group.places[k][0], "depth": z}
+        plane = Plane("y", float(y[row]), label=f"inclusion-{self.numbers[k] + 1}")
+        components = dict(zip(COMPONENTS, values, strict=True))
+        return PlaneStress(self.body, plane, plane.number, axes, components)
+
+    def results(self) -> dict[int, InclusionStress]:
+        """Return the results of each inclusion by its place in [[inclusion]]."""
+        found = {}
+        if (self.group.places[:, 2] <= [one.half[2] for one in self.group.inclusions]).any():
+            nowhere = (math.nan,) * 3
+            for k, number in enumerate(self.numbers):
+                about = number, self.body, math.nan, nowhere, math.nan, math.nan, nowhere, math.nan
+                found[number] = InclusionStress(*about, self.section(k, None))
+            return found
+        above = [
+            self.group.box.surface_displacement(self.group.share * own, *np.zeros((2, 1)))
+            for own in self.solved[1].swapaxes(0, 1)
+        ]
+        lift = float(np.max(self.shares @ -np.array(above)[:, 2, 0]))
+        for k, number in enumerate(self.numbers):
+            cycle, points = self.near(k)
+            mises = von_mises(cycle)
+            moment, point = np.unravel_index(mises.argmax(), mises.shape)
+            moved = (*self.x, math.nan)[moment]
+            x, y, depth = points[:, point].tolist()
+            strain, own = (self.group.inside(k, values) for values in self.solved)
+            few = slice(None, None, max(1, own.shape[-1] // 200))
+            stress = np.tensordot(self.group.stiffness, (strain - own)[..., few], 1)
+            tension = principal_stresses(np.einsum("pn,cnk->cpk", self.shares, stress))[0].max()
+            used = self._utilisation(cycle, points[2])
+            top = int(np.argmax(used))
+            place = (
+                (math.nan, *points[1:, top].tolist()) if np.isfinite(used[top]) else (math.nan,) * 3
+            )
+            found[number] = InclusionStress(
+                number, self.body, float(mises.max()), (x + moved, y, depth), float(tension),
+                float(used[top]), place, lift, self.section(k, int(moment)),
+            )  # fmt: skip
+        return found
+
+    def _utilisation(self, cycle: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """Return the utilisation of points by their cycles; nan without a limit for the body."""
+        table, law = self.contact.scene.fatigue, self.laws.fatigue
+        if table is None or law is None or table.limit is None or self.body not in table.bodies:
+            return np.full(depth.size, np.nan)
+        steel = self.contact.scene.steel.get(self.body, Steel())
+        common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
+        limit, k = (steel.at(name, depth + self.worn) for name in ("limit", "shear_yield"))
+        varies = k is not None
+        limit = np.full(depth.size, table.limit) if limit is None else limit
+        k = np.full(depth.size, common) if k is None else k
+        local = LocalSteel(None, limit, k, common, varies, has_factor=False)
+        value, _ = local.evaluate(law, cycle)
+        return np.maximum(value, 0.0) / limit
