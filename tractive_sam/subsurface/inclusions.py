@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import scipy  # its parts are loaded when first used
@@ -251,10 +251,8 @@ class InclusionGroup:
         return strain + self.box(self.share * eigenstrain), eigenstrain
 
 
-@lru_cache(4)
-def eigenstrain_box(*arguments: Any) -> EigenstrainBox:
-    """Return the box of its arguments, with its spectra after its first use."""
-    return EigenstrainBox(*arguments)
+eigenstrain_box = lru_cache(4)(EigenstrainBox)
+"""The box of its arguments, with its spectra after its first use."""
 
 
 def _like(normals: np.ndarray, field: np.ndarray) -> np.ndarray:
