@@ -53,8 +53,8 @@ stress_volume, fatigue, around_inclusions
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
-Layer, Material, TransverseMaterial, RelaxingBody, RelaxingHalfSpaces, creep_terms;
-WearLaw, WearConditions, Energy, PerBody, SlidingShare;
+Layer, Material, TransverseMaterial, AnisotropicHalfSpaces, AnisotropicMaterial, RelaxingBody,
+RelaxingHalfSpaces, creep_terms; WearLaw, WearConditions, Energy, PerBody, SlidingShare;
 StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear,
 VolumeLife, Woehler, Steel; allow_laws
 

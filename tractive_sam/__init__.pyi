@@ -26,6 +26,8 @@ from .fitting.optimum import design as design
 from .levels import Levels as Levels
 from .levels import compare_levels as compare_levels
 from .lookup import CreepTable as CreepTable
+from .mechanics import AnisotropicHalfSpaces as AnisotropicHalfSpaces
+from .mechanics import AnisotropicMaterial as AnisotropicMaterial
 from .mechanics import Bound as Bound
 from .mechanics import Coulomb as Coulomb
 from .mechanics import Crossland as Crossland

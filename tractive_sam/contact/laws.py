@@ -12,6 +12,7 @@ from tractive_sam.mechanics import (
     JENDEL,
     USFD,
     VON_MISES,
+    AnisotropicHalfSpaces,
     Archard,
     ArchardByWork,
     ConstantShare,
@@ -178,7 +179,8 @@ def _elasticity(scene: Scene) -> Elasticity:
         bodies: Elasticity = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     else:
         (of_A, of_B), of_line = scene.body.responses.values(), datum if scene.line else None
-        bodies = LinearHalfSpaces(of_A, of_B, of_line)
+        law = AnisotropicHalfSpaces if scene.body.is_anisotropic else LinearHalfSpaces
+        bodies = law(of_A, of_B, of_line)
         if scene.body.relaxes:
             speed = required(scene.creepage.speed, "creepage.speed")
             bodies = RelaxingHalfSpaces(of_A, of_B, of_line, speed)

@@ -1,5 +1,7 @@
 """What `mechanics` exports, for `__init__.py` and for type checkers."""
 
+from .anisotropy import AnisotropicHalfSpaces as AnisotropicHalfSpaces
+from .anisotropy import AnisotropicMaterial as AnisotropicMaterial
 from .criteria import CRITERIA as CRITERIA
 from .criteria import VON_MISES as VON_MISES
 from .criteria import Criterion as Criterion
@@ -8,6 +10,7 @@ from .criteria import StressCriterion as StressCriterion
 from .criteria import max_shear as max_shear
 from .criteria import principal_stresses as principal_stresses
 from .criteria import von_mises as von_mises
+from .elasticity import PARITIES as PARITIES
 from .elasticity import CombinedMaterial as CombinedMaterial
 from .elasticity import Elasticity as Elasticity
 from .elasticity import HalfSpaces as HalfSpaces
@@ -57,6 +60,7 @@ from .law import fingerprint as fingerprint
 from .layers import Layer as Layer
 from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
+from .layers import SurfaceResponse as SurfaceResponse
 from .layers import TransverseMaterial as TransverseMaterial
 from .layers import contact_modulus as contact_modulus
 from .relaxation import RelaxingBody as RelaxingBody

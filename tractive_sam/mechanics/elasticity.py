@@ -157,8 +157,13 @@ def combine(A: Material, B: Material) -> CombinedMaterial:
     return CombinedMaterial(1 / compliance, lateral / compliance, mismatch / compliance)
 
 
-COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
-"""The six independent influence coefficients; A_zx = -A_xz and A_zy = -A_yz (reciprocity)."""
+PARITIES = MappingProxyType(
+    {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}
+)
+"""Parity in x and in y, 1 (even) or -1 (odd), of the six independent influence coefficients.
+
+By reciprocity A_zx(x, y) = A_xz(-x, -y).
+"""
 
 
 @renamed_attributes(alone="single_body")
@@ -198,6 +203,30 @@ class Elasticity(Law, ABC):
     def layer(self) -> float:
         """Shear compliance of an interfacial layer between the surfaces, mm/MPa; default 0."""
         return 0.0
+
+    def parts(self, component: str) -> Mapping[str, tuple[int, int]]:
+        """Return the parts of a component, with their parity in x and in y; default: one part.
+
+        A law without symmetry about the axes splits its coefficients; `coefficients` has a table
+        for each part.
+
+        Parameters
+        ----------
+        component : str
+            See `coefficients`.
+
+        Returns
+        -------
+        mapping
+            Parity, 1 (even) or -1 (odd), in x and y, by the name of the part: the component itself,
+            followed by further characters for parts with another parity.
+        """
+        return {component: PARITIES[component]}
+
+    @property
+    def interchangeable(self) -> bool:
+        """Whether u_x by p_y is u_y by p_x at each place, not only for exchanged places."""
+        return all(x * y > 0 for x, y in self.parts("xy").values())
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Accept methods of a subclass under their former names, with a warning."""
@@ -278,9 +307,9 @@ class Elasticity(Law, ABC):
 
         Returns
         -------
-        ndarray, shape (m, 2, 2)
+        ndarray, shape (m, 2, 2) or (m, 2, 3)
             Dimensionless; by default the ratio of the displacements of an element by a unit load
-            on it.
+            on it. A third column is the tangential displacement by pressure alone.
         """
         xx, yy, zz = (self.coefficients(k, (1, 1), dx, dy)[0, 0] for k in ("xx", "yy", "zz"))
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
@@ -574,6 +603,10 @@ class InterfacialLayer(Elasticity):
     def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
         """Return the lag of the bodies; that of the layer is zero. See `Elasticity.lag`."""
         return self.bodies.lag(component, offsets, dx, dy)
+
+    def parts(self, component: str) -> Mapping[str, tuple[int, int]]:
+        """Return the parts of a component of the bodies (`Elasticity.parts`)."""
+        return self.bodies.parts(component)
 
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float

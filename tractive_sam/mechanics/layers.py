@@ -39,7 +39,10 @@ from tractive_sam.mechanics.elasticity import (
 
 
 class SurfaceResponse(Protocol):
-    """Protocol of a half-space that is isotropic in its surface."""
+    """Protocol of a half-space: its response, or its mean over all directions in the surface."""
+
+    def __hash__(self) -> int:
+        """Return the hash of the material: contacts of equal bodies are computed once."""
 
     @property
     def compliances(self) -> np.ndarray:

@@ -23,7 +23,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from math import prod
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -38,6 +38,8 @@ from tractive_sam.compute import (
 )
 from tractive_sam.kernels.linear_algebra import row_products
 from tractive_sam.mechanics import (
+    PARITIES,
+    AnisotropicHalfSpaces,
     Elasticity,
     Frame,
     HalfSpaces,
@@ -48,8 +50,6 @@ from tractive_sam.operators.zone_inverse import ZoneInverse
 
 Box = tuple[slice, slice]
 """Rectangle of elements."""
-
-_PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 1), "yz": (1, -1)}
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ def transform_displacement(
     elasticity : Elasticity
         The bodies.
     component : str
-        One of `mechanics.elasticity.COMPONENTS`.
+        One of `mechanics.elasticity.PARITIES`, or its reverse.
     period : tuple of int, optional
         (p_x, p_y), no longer than `Lattice.padded`, which it is by default.
     difference : bool
@@ -235,12 +235,20 @@ def transform_displacement(
     # At most 64 MiB are stored.
     store = _may_be_stored(lattice, elasticity, 2**17)
     transform = _stored_transform if store else _transform_table
-    return transform(elasticity, padded, sides, component, period or padded, difference)
+    arguments = elasticity, padded, sides
+    known = component if component in PARITIES else component[::-1]
+    parts = [
+        # By reciprocity, a reverse component is the same at the opposite offset.
+        (-1.0 if known != component and prod(parity) < 0 else 1.0)
+        * transform(*arguments, part, parity, period or padded, difference)
+        for part, parity in elasticity.parts(known).items()
+    ]
+    return sum(parts[1:], start=parts[0])
 
 
 def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bool:
     """Return whether other scenes may have the same bodies on this mesh of few padded elements."""
-    laws = HalfSpaces, LinearHalfSpaces, RelaxingHalfSpaces
+    laws = HalfSpaces, LinearHalfSpaces, RelaxingHalfSpaces, AnisotropicHalfSpaces
     return prod(lattice.padded) <= largest and type(elasticity) in laws
 
 
@@ -249,21 +257,22 @@ def _transform_table(
     padded: tuple[int, int],
     sides: tuple[float, float],
     component: str,
+    parity: tuple[int, int],
     period: tuple[int, int],
     difference: bool,
 ) -> np.ndarray:
-    """Return the spectrum of displacements on elements with these sides."""
+    """Return the spectrum of a part of displacements on elements with these sides."""
     if period != padded and not difference:
         spectrum = elasticity.periodic(component, period, *sides)
         if spectrum is not None:
             return spectrum / (period[0] * period[1])
     offsets = padded[0] // 2 + 1 + difference, padded[1] // 2 + 1
     scaled = elasticity.coefficients(component, offsets, *sides) / (period[0] * period[1])
-    spectrum = transform_quadrant(scaled, _PARITY[component], period, difference)
+    spectrum = transform_quadrant(scaled, parity, period, difference)
     if elasticity.symmetric:
         return spectrum
     lag = elasticity.lag(component, offsets, *sides) / (period[0] * period[1])
-    odd, across = _PARITY[component]
+    odd, across = parity
     return spectrum + transform_quadrant(lag, (-odd, across), period, difference)
 
 
@@ -374,9 +383,29 @@ class Operators:
     ) -> np.ndarray:
         """Return the spectra (11, 12, 22) of A_tt / dx, or of its difference in x, D_tt."""
         entries = [self._displacement(k, period, difference) for k in ("xx", "xy", "yy")]
+        if not self.elasticity.interchangeable:
+            entries[1] = 0.5 * (entries[1] + self._displacement("yx", period, difference))
         if not difference and self.elasticity.symmetric:  # even, and so real
             entries = [entry.real for entry in entries]
         return self._per_dx * np.stack(self._tangential(*entries))
+
+    def _tangential_matrix(self, difference: bool) -> list[np.ndarray]:
+        """Return the spectra (11, 12, 21, 22) of A_tt / dx, or of its difference in x, D_tt."""
+        first, mixed, second = self._tangential_spectra(None, difference)
+        if self.elasticity.interchangeable:
+            return [first, mixed, mixed, second]
+        # A rotation does not change the part with opposite signs.
+        unlike = self._displacement("xy", None, difference)
+        unlike = unlike - self._displacement("yx", None, difference)
+        unlike = 0.5 * self._per_dx * np.linalg.det(self.frame.matrix) * unlike
+        return [first, mixed + unlike, mixed - unlike, second]
+
+    def _between_tractions(self, difference: bool) -> Convolution:
+        """Return the operator A_tt / dx, or its difference in x, D_tt."""
+        if self.elasticity.interchangeable:
+            return self._convolution(self._tangential_spectra(difference=difference))
+        lattice, matrix = self.lattice, self._tangential_matrix(difference)
+        return _FourKernels(np.stack(matrix), lattice.shape, lattice.padded)
 
     def _convolution(self, spectra: Sequence[np.ndarray] | np.ndarray) -> Convolution:
         """Return the zero-padded convolution on the lattice with spectra of kernels."""
@@ -418,7 +447,7 @@ class Operators:
     @cached_property
     def slip(self) -> Convolution:
         """Operator D_tt from tangential tractions to slip at the leading faces of the elements."""
-        return self._convolution(self._tangential_spectra(difference=True))
+        return self._between_tractions(difference=True)
 
     @cached_property
     def self_influence(self) -> Entries:
@@ -433,11 +462,15 @@ class Operators:
     def _entries_at(self, weights: np.ndarray) -> Entries:
         """Return entries (11, 12, 22) of A_tt / dx, a weighted sum of an element and the next."""
         sides = self.lattice.dx, self.lattice.dy
-        tables = [self.elasticity.coefficients(k, (2, 1), *sides) for k in ("xx", "xy", "yy")]
-        if not self.elasticity.symmetric:
-            lags = (self.elasticity.lag(k, (2, 1), *sides) for k in ("xx", "xy", "yy"))
-            tables = [table + lag for table, lag in zip(tables, lags, strict=True)]
-        entries = self._tangential(*(weights @ table[:, 0] for table in tables))
+        at, parts = self.elasticity.coefficients, self.elasticity.parts
+
+        def of_offsets(component: str) -> np.ndarray:
+            tables = [at(k, (2, 1), *sides) for k, (x, y) in parts(component).items() if x * y > 0]
+            if not self.elasticity.symmetric:
+                tables.append(self.elasticity.lag(component, (2, 1), *sides))
+            return weights @ sum(tables[1:], start=tables[0])[:, 0]
+
+        entries = self._tangential(*map(of_offsets, ("xx", "xy", "yy")))
         first, mixed, second = (float(self._per_dx * entry) for entry in entries)
         return first, mixed, second
 
@@ -457,7 +490,7 @@ class Operators:
         return self._per_dx * layer * F @ F.T if layer else None
 
     def opening(self, angle: np.ndarray) -> np.ndarray:
-        """Return the slip per unit of closing gap at edges with these angles, shape (m, 2, 2).
+        """Return the slip per unit of closing gap at edges with these angles, (m, 2, 2 or 3).
 
         Parameters
         ----------
@@ -466,12 +499,16 @@ class Operators:
         """
         per_gap, F = self._per_dx / self._per_gap, self.frame.matrix
         normal = np.stack((np.cos(angle), np.sin(angle)))
-        return per_gap * F @ self.elasticity.opening(normal, self.lattice.dx, self.lattice.dy) @ F.T
+        opening = self.elasticity.opening(normal, self.lattice.dx, self.lattice.dy)
+        by_traction = per_gap * F @ opening[:, :, :2] @ F.T
+        if opening.shape[2] == 2:
+            return by_traction
+        return np.concatenate((by_traction, per_gap * F @ opening[:, :, 2:]), axis=2)
 
     @cached_property
     def tangential(self) -> Convolution:
         """Operator A_tt / dx from tractions to tangential displacement over dx (units of slip)."""
-        return self._convolution(self._tangential_spectra())
+        return self._between_tractions(difference=False)
 
     @cached_property
     def tangential_inverse(self) -> Convolution:
@@ -506,13 +543,12 @@ class Operators:
         difference : bool
             True for slip, the difference of the displacement over dx from element to element.
         """
-        F, (t11, t12, t22) = self.frame.matrix, self._tangential_spectra(None, difference)
+        F, (t11, t12, t21, t22) = self.frame.matrix, self._tangential_matrix(difference)
         drag = [self._per_dx * self._displacement(k, None, difference) for k in ("xz", "yz")]
-        # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
-        lift = [-self._per_gap * self._displacement(k) for k in ("xz", "yz")]
+        lift = [self._per_gap * self._displacement(k) for k in ("zx", "zy")]
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
-        rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
+        rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t21, t22)
         return self._convolution([row + 0j for row in rows])
 
 
@@ -526,6 +562,24 @@ def operators_of(
     # Four with all that they compute take up to 80 MiB.
     stored = _may_be_stored(lattice, elasticity, 2**16)
     return (_stored_operators if stored else Operators)(lattice, elasticity, gap, slip, frame)
+
+
+class _FourKernels(Convolution):
+    """Convolution of two fields with a matrix of kernels that is not symmetric (11, 12, 21, 22).
+
+    It is that of three fields; the first is zero.
+    """
+
+    def __init__(self, spectra: np.ndarray, shape: tuple[int, int], padded: tuple[int, int]):
+        rows = np.zeros((9, *spectra.shape[1:]), complex)
+        rows[[4, 5, 7, 8]] = spectra
+        super().__init__(rows, shape, padded)
+        self.shape = (2, *shape)
+
+    def _convolve(self, backend: Any, fields: Array, spectra: Any) -> Array:
+        """Return the convolution of two fields with spectra in the form of a backend."""
+        fields = backend.concat((backend.xp.zeros_like(fields[:1, ...]), fields))
+        return super()._convolve(backend, fields, spectra)[1:, ...]
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:

@@ -29,7 +29,8 @@ with zero slip there the contact would be about half an element too long. *Borde
 slip*: it is free, and a small shift of it does not change forces to first order. *Trailing edge in
 slip*: there the traction is the bound.
 
-Between dissimilar bodies the share changes with the logarithm of the distance from the edge, and
+Pressure alone causes such a jump on crystals without symmetry (`Elasticity.opening`). Between
+dissimilar bodies the share changes with the logarithm of the distance from the edge, and
 the leading edge remains of first order.
 """
 
@@ -186,7 +187,8 @@ class FrictionSlip:
         dx/dy.
     opening : callable
         Slip of the face ahead per unit of gap there, over the share of the bound, as a function of
-        the angle of an edge, shape (m,) to (m, 2, 2).
+        the angle of an edge, shape (m,) to (m, 2, 2); with a third column, the slip that pressure
+        without traction causes there, per unit of gap.
     layer : ndarray, shape (2, 2), optional
         Slip of an interfacial layer over an element per unit of the traction gained there.
     gap_changes : bool
@@ -246,6 +248,8 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
+        if self._slip_by_pressure is not None:
+            slip = slip + backend_of(slip).xp.asarray(self._slip_by_pressure, dtype=slip.dtype)
         return backend_of(slip).add_leading_response(
             slip, traction, self._here, *self._sticking_factors
         )
@@ -253,10 +257,19 @@ class FrictionSlip:
     @cached_property
     def _slip_by_traction(self) -> np.ndarray:
         """Slip at the faces of leading elements per traction of the element, shape (m, 2, 2)."""
-        answer = self._opening * (self._gap / self._bound)[:, None, None]
+        answer = self._opening[:, :, :2] * (self._gap / self._bound)[:, None, None]
         if self._layer is not None:
             answer += self._entry[:, None, None] * self._layer
         return answer
+
+    @cached_property
+    def _slip_by_pressure(self) -> np.ndarray | None:
+        """Slip at the faces of leading elements without traction, as a field, or None if zero."""
+        if self._opening.shape[2] == 2:
+            return None
+        field = np.zeros((2, *self.bound.shape))
+        field[:, *self._here] = self._opening[:, :, 2].T * self._gap
+        return field
 
     @cached_property
     def _sticking_factors(self) -> tuple[np.ndarray, np.ndarray]:
@@ -264,9 +277,15 @@ class FrictionSlip:
         factor = 1.0 / (1.0 + self._stiffness)
         return factor, factor[:, None, None] * self._slip_by_traction
 
-    def _relative_traction(self, traction: np.ndarray) -> np.ndarray:
-        """Return the traction of the leading elements over their traction bound, shape (2, m)."""
-        return traction[:, *self._here] / self._bound
+    def _relative_traction(self, traction: np.ndarray, pressure: float = 1.0) -> np.ndarray:
+        """Return the traction of the leading elements over their bound, (2, m), or (3, m).
+
+        The third row, of `pressure`, is that of an opening with three columns.
+        """
+        share: np.ndarray = traction[:, *self._here] / self._bound
+        if self._opening.shape[2] == 2:
+            return share
+        return np.concatenate((share, np.full((1, share.shape[1]), pressure)))
 
     def sticking_change(
         self,
@@ -295,10 +314,10 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
-        share, shifted = self._relative_traction(traction), self._relative_traction(change[1:])
+        share, shifted = self._relative_traction(traction), self._relative_traction(change[1:], 0.0)
         pressed = change[0][self._here] / self._bound
         widened = gap[self._ahead] if self._gap_changes else np.zeros_like(pressed)
-        shifted -= share * pressed
+        shifted[:2] -= share[:2] * pressed
         sheared = change[1:][:, *self._here]
         changed = self._leading(slip, self._gap * shifted + share * widened, sheared)
         # The edge turns with the pressure around it, and with it the opening. The divisor changes,
@@ -312,7 +331,7 @@ class FrictionSlip:
         stiffer = stiffer / self._bound - self._opened * pressed
         if self._layer is not None:
             nearer = entry_change(self.bound, change[0], i, j)
-            more += nearer * (self._layer @ (self._bound * share))
+            more += nearer * (self._layer @ (self._bound * share[:2]))
             stiffer += nearer * np.trace(self._layer)
         more -= stiffer * self._leading(at, self._gap * share, self._bound * share)
         slip = slip.copy()
@@ -348,7 +367,7 @@ class FrictionSlip:
         """Return the corrected slip `sticking` at the leading elements, shape (2, m)."""
         opening = np.einsum("mab,bm->am", self._opening, times_gap)
         if self._layer is not None:
-            opening += self._entry * (self._layer @ traction)
+            opening += self._entry * (self._layer @ traction[:2])
         return (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
 
     @cached_property

@@ -9,12 +9,14 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 from pydantic import AfterValidator, Field
 
 from tractive_sam.mechanics import (
+    AnisotropicMaterial,
     CombinedMaterial,
     HertzContact,
     HertzLine,
     LayeredBody,
     Material,
     RelaxingBody,
+    SurfaceResponse,
     TransverseMaterial,
     combine,
     combined_radius,
@@ -46,6 +48,7 @@ from .layers import (
     BodyLayer,
     Relaxation,
     Stiffness,
+    anisotropic_contact,
     check_constants,
     check_layers,
     check_relaxation,
@@ -244,8 +247,7 @@ class Body(Table):
     shear: Positive | None = optional("shear modulus, MPa")
     poisson: Real | None = optional("Poisson's ratio", ge=0, le=0.5)
     stiffness: InnerTable[Stiffness | None] = optional(
-        "stiffness of a material that is isotropic in the surface only, in place of a modulus and "
-        "Poisson's ratio"
+        "stiffness of an anisotropic material, in place of a modulus and Poisson's ratio"
     )
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius in the lateral direction, mm", "a number, or inf (flat)")
@@ -290,12 +292,12 @@ class Body(Table):
         return isotropic_material(self.young, self.shear, self.poisson)
 
     @property
-    def response(self) -> Material | LayeredBody | TransverseMaterial | RelaxingBody:
+    def response(self) -> SurfaceResponse:
         """Elastic constants or layers, of a body that relaxes with its terms."""
         return relaxing(self.elastic, self.relaxation)
 
     @property
-    def elastic(self) -> Material | LayeredBody | TransverseMaterial:
+    def elastic(self) -> SurfaceResponse:
         """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
         if self.stiffness is not None:
             return self.stiffness.material
@@ -337,10 +339,12 @@ class Bodies(Table):
             material, other = body.material, body.elastic
             radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
-            if isinstance(other, TransverseMaterial):
+            if isinstance(other, (TransverseMaterial, AnisotropicMaterial)):
                 modulus = 2.0 / other.compliances[0]
                 tangential = f"G = {material.shear:.6g} MPa, nu = {material.poisson:.4g}"
                 text = f"E* = {modulus:.6g} MPa for pressure, {tangential} for traction"
+                if isinstance(other, AnisotropicMaterial):
+                    text += ", means over the directions in the surface"
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
             for label, text in describe_parts(body.layer, body.response):
                 yield Row(f"{label} of {name}", text, brief=True)
@@ -393,21 +397,26 @@ class Bodies(Table):
         return any(isinstance(body, RelaxingBody) for body in self.responses.values())
 
     @property
+    def is_anisotropic(self) -> bool:
+        """Whether a body responds differently to waves of different direction."""
+        return any(isinstance(body, AnisotropicMaterial) for body in self.responses.values())
+
+    @property
     def is_isotropic(self) -> bool:
         """Whether both bodies are homogeneous and isotropic."""
         return all(isinstance(body, Material) for body in self.responses.values())
 
     @property
-    def responses(self) -> dict[str, Material | LayeredBody | TransverseMaterial | RelaxingBody]:
+    def responses(self) -> dict[str, SurfaceResponse]:
         """Elastic constants or layers of each body."""
         return {"A": self.A.response, "B": self.B.response}
 
     @property
     def coupled(self) -> bool:
-        """Whether pressure causes tangential displacement: the bodies are dissimilar."""
+        """Whether the bodies are dissimilar or anisotropic, so that pressure may move them."""
         if self.is_isotropic:
             return self.material.coupling != 0.0
-        return len(set(self.responses.values())) == 2
+        return len(set(self.responses.values())) == 2 or self.is_anisotropic
 
     def contact_modulus(self, length: float, speed: float | None = None) -> float:
         """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm.
@@ -445,7 +454,8 @@ class Bodies(Table):
     def hertz(self, load: Load, speed: float | None = None) -> HertzContact | HertzLine | None:
         """Return the Hertz contact under a load; None if radii or approach close no contact.
 
-        Infinitely long bodies have a line contact under a load per length. The contact of bodies
+        Infinitely long bodies have a line contact under a load per length. That of anisotropic
+        bodies is exact; the half axes are half lengths along x and y. The contact of bodies
         with layers is that of homogeneous bodies with their `contact_modulus`: an estimate.
         """
         radius_x, radius_y = self.radii
@@ -457,10 +467,13 @@ class Bodies(Table):
         if load.approach is not None and load.approach <= 0:
             return None
         prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
-        if self.is_layered:
-            load_items = tuple(prescribed.items())
-            each = self.A.response, self.B.response
-            return layered_contact(*each, self.radii, load_items, speed or 0.0)
+        if self.is_layered or self.is_anisotropic:
+            items, each = tuple(prescribed.items()), (self.A.response, self.B.response)
+            return (
+                layered_contact(*each, self.radii, items, speed or 0.0)
+                if self.is_layered
+                else anisotropic_contact(*each, self.radii, items)
+            )
         e_star = self.contact_modulus(1.0)  # of all lengths
         if is_line:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)

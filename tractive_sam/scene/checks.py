@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 from tractive_sam.mechanics import (
+    AnisotropicMaterial,
     HertzContact,
     HertzLine,
     LayeredBody,
@@ -536,7 +537,11 @@ def _check_responses_combine(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault(key, "with [wheel]", cure)
     # Creep changes no stress that tractions cause.
     inner = {body: getattr(other, "body", other) for body, other in others.items()}
-    unknown = [body for body, known in inner.items() if isinstance(known, TransverseMaterial)]
+    crystals = TransverseMaterial, AnisotropicMaterial
+    unknown = [body for body, known in inner.items() if isinstance(known, crystals)]
+    if entries["body"].relaxes and AnisotropicMaterial in map(type, inner.values()):
+        cure = "isotropic materials, or a stiffness that is isotropic in the surface"
+        yield Fault(key, "relaxation with an anisotropic stiffness", cure)
     for table in ("subsurface", "fatigue"):
         for body in unknown if entries[table] is not None else ():
             if body not in entries[f"{table}.bodies"]:

@@ -5,15 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
+
+import numpy as np
 
 from tractive_sam.mechanics import (
+    AnisotropicHalfSpaces,
+    AnisotropicMaterial,
     HertzContact,
     HertzLine,
     Layer,
     LayeredBody,
     Material,
     RelaxingBody,
+    SurfaceResponse,
     TransverseMaterial,
     contact_modulus,
     creep_terms,
@@ -35,14 +40,112 @@ from tractive_sam.schema import (
 )
 
 
+def _complete_stiffness(entries: Mapping[str, Any]) -> np.ndarray:
+    """Return the stiffness (6, 6) by the constants of a class of symmetry, MPa."""
+    C = {name: value for name, value in entries.items() if name[0] == "C" and value is not None}
+    if entries.get("crystal") is not None:
+        C11, C12, C44, _ = Stiffness.crystals[entries["crystal"]]
+        C = {"C11": 1e3 * C11, "C12": 1e3 * C12, "C44": 1e3 * C44}
+    if "C33" not in C:
+        C |= {"C33": C["C11"], "C13": C["C12"], "C66": C["C44"]}
+    if "C22" not in C:
+        plane = 0.5 * (C["C11"] - C["C12"])
+        C = {"C66": plane} | C | {"C22": C["C11"], "C23": C["C13"], "C55": C["C44"]}
+    matrix = np.zeros((6, 6))
+    for name, value in C.items():
+        i, j = int(name[1]) - 1, int(name[2]) - 1
+        matrix[i, j] = matrix[j, i] = value
+    return matrix
+
+
+def _check_constants_of_class(entries: ValidEntries) -> Iterator[Fault]:
+    """Report constants that are missing or do not belong to a class of symmetry."""
+    given = {name for name in entries.given if name[0] == "C"}
+    if entries["crystal"] is not None:
+        yield from (Fault(k, f"with crystal = {entries['crystal']}", "one of them") for k in given)
+        return
+    symmetric = {"C11", "C12", "C13", "C33", "C44"}
+    needed, kind = symmetric | {"C22", "C23", "C55", "C66"}, "without an axis of such symmetry"
+    if given <= {"C11", "C12", "C44"}:
+        needed, kind = {"C11", "C12", "C44"}, "with cubic symmetry"
+    elif given <= symmetric | {"C66"}:
+        needed, kind = symmetric, "with a sixfold or fourfold axis 3"
+    for name in sorted(needed - given):
+        yield Fault(name, "nothing", f"a number: a material {kind} needs {sorted(needed)}")
+
+
 def _check_stiffness(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a stiffness that no stable material has."""
-    C11, C12, C13, C33 = (entries[key] for key in ("C11", "C12", "C13", "C33"))
-    if abs(C12) >= C11:
-        yield Fault("C12", f"{C12:g}", f"a magnitude below C11 = {C11:g}")
-    elif 2.0 * C13**2 >= C33 * (C11 + C12):
-        largest = math.sqrt(0.5 * C33 * (C11 + C12))
-        yield Fault("C13", f"{C13:g}", f"a magnitude below {largest:.4g}: sqrt(C33 (C11 + C12)/2)")
+    """Report a stiffness that no stable material has, or whose response is not resolved."""
+    # Entries that are not valid raise here.
+    _ = [entries[name] for name in ("crystal", *(k for k in entries.given if k[0] == "C"))]
+    if any(_check_constants_of_class(entries)) or any(_check_orientation(entries)):
+        return
+    C = _complete_stiffness(entries)
+    for i, j in zip(*np.triu_indices(6), strict=True):
+        name = f"C{i + 1}{j + 1}"
+        bound = math.sqrt(max(0.0, C[i, i] * C[j, j]))
+        if (i == j and C[i, i] <= 0.0) or (i != j and abs(C[i, j]) >= bound > 0.0):
+            cure = "a positive number" if i == j else f"a magnitude below {bound:.4g}"
+            yield Fault(name, f"{C[i, j]:g}", f"{cure}, as the elastic energy is positive")
+            return
+    if np.linalg.eigvalsh(C)[0] <= 1e-12 * C.max():
+        name, largest = "C12", "smaller"
+        if "C13" in entries.given:
+            name = "C13"
+            if C[0, 0] + C[0, 1] > 0.0 and C[0, 2] == C[1, 2]:
+                largest = f"a magnitude below {math.sqrt(0.5 * C[2, 2] * (C[0, 0] + C[0, 1])):.4g}"
+        cure = f"{largest}: the constants together give no positive elastic energy"
+        yield Fault(name, f"{entries[name]:g}", cure)
+        return
+    try:
+        _ = _find_material(entries).compliances
+    except ValueError as error:
+        yield Fault("C11", f"{C[0, 0]:g}", f"constants that differ less: {error}")
+
+
+def _check_orientation(entries: ValidEntries) -> Iterator[Fault]:
+    """Report directions that are missing, zero or not at right angles, and angles beside them."""
+    normal, along = entries["normal"], entries["along"]
+    angles = sorted(entries.given & {"phi1", "Phi", "phi2"})
+    for key, other in (("normal", "along"), ("along", "normal")):
+        if entries[key] is None:
+            if entries[other] is not None:
+                yield Fault(key, "nothing", f"the direction of both axes: {other} is given")
+            continue
+        yield from (
+            Fault(angle, f"with {key}", "angles or directions, not both") for angle in angles
+        )
+        if not any(entries[key]):
+            yield Fault(key, "[0, 0, 0]", "a direction")
+            return
+    if normal is not None and along is not None:
+        cosine = np.dot(normal, along) / math.hypot(*normal) / math.hypot(*along)
+        if abs(cosine) > 1e-6:
+            angle = math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
+            yield Fault("along", f"{list(along)}, at {angle:.4g} degrees to normal", "90 degrees")
+
+
+def _find_material(entries: Any) -> TransverseMaterial | AnisotropicMaterial:
+    """Return the material of a table with valid constants, with its axes turned."""
+    C, rotation = _complete_stiffness(entries), None
+    if entries["normal"] is not None:
+        z, x = (np.array(entries[key]) / math.hypot(*entries[key]) for key in ("normal", "along"))
+        rotation = np.stack((x, np.cross(z, x), z))
+    elif any(entries[key] for key in ("phi1", "Phi", "phi2")):
+        rotation = np.eye(3)
+        for key, (i, j) in (("phi1", (0, 1)), ("Phi", (1, 2)), ("phi2", (0, 1))):
+            cos, sin = (f(math.radians(entries[key])) for f in (math.cos, math.sin))
+            turn = np.eye(3)
+            turn[[i, i, j, j], [i, j, i, j]] = cos, -sin, sin, cos
+            rotation = rotation @ turn
+    material = AnisotropicMaterial.from_matrix(C, rotation)
+    C = np.array(material.stiffness)
+    names = zip(("C11", "C12", "C13", "C33", "C44"), (0, 0, 0, 2, 3), (0, 1, 2, 2, 3), strict=True)
+    five = {name: float(C[i, j]) for name, i, j in names}
+    like = _complete_stiffness(five)
+    if np.abs(C - like).max() <= 1e-12 * C.max():  # isotropic in the surface: in closed form
+        return TransverseMaterial(**five)
+    return material
 
 
 def isotropic_material(young: float | None, shear: float | None, poisson: float | None) -> Material:
@@ -54,32 +157,76 @@ def isotropic_material(young: float | None, shear: float | None, poisson: float 
 
 
 class Stiffness(Table):
-    """Elastic stiffness of a material that is isotropic in the surface; the index 3 is its normal.
+    """Elastic stiffness of an anisotropic material, and its axes.
+
+    The constants that are given state the class of symmetry: C11, C12, C44 of a cubic crystal; C11,
+    C12, C13, C33, C44 of a material that is isotropic across its axis 3, with C66 of a fourfold
+    axis; nine of an orthotropic material; up to 21 of any other. Without angles and directions, the
+    axes 1, 2, 3 are x, y, z.
 
     Examples
     --------
     >>> zinc = ts.Stiffness(C11=165e3, C12=31.1e3, C13=50e3, C33=61.8e3, C44=39.6e3)
     >>> round(zinc.material.tangential.poisson, 4)
     0.0947
+    >>> turned = ts.Stiffness(crystal="iron", normal=(1, 1, 1), along=(1, -1, 0))
+    >>> round(2.0 / turned.material.compliances[0])
+    232514
     """
 
-    key_advice: ClassVar[Mapping[str, str]] = {
-        "C66": "C12: C66 = (C11 - C12)/2",
-        "C55": "C44: the material is isotropic in the surface",
-        "C22": "C11: the material is isotropic in the surface",
-        "C23": "C13: the material is isotropic in the surface",
+    crystals: ClassVar[Mapping[str, tuple[float, float, float, str]]] = {
+        "aluminium": (106.75, 60.41, 28.34, "CRC Handbook, 98th ed."),
+        "copper": (168.3, 121.2, 75.7, "Epstein & Carlson (1965), in CRC Handbook"),
+        "gold": (192.44, 162.98, 42.0, "CRC Handbook, 98th ed."),
+        "iron": (226.0, 140.0, 116.0, "CRC Handbook, 98th ed."),
+        "nickel": (248.1, 154.9, 124.2, "CRC Handbook, 98th ed."),
+        "silicon": (165.7, 63.9, 79.6, "Hopcroft, Nix & Kenny, J. MEMS 19 (2010) 229-238"),
+        "tungsten": (522.39, 204.37, 160.58, "Lowrie & Gonas (1967), in CRC Handbook"),
     }
-    C11: Positive = entry("stiffness C11 in the surface, MPa")
-    C12: Real = entry("stiffness C12 in the surface, MPa")
-    C13: Real = entry("stiffness C13 between surface and normal, MPa")
-    C33: Positive = entry("stiffness C33 along the normal, MPa")
-    C44: Positive = entry("stiffness C44 in shear parallel to the surface, MPa")
-    checks: ClassVar[tuple[Check, ...]] = (_check_stiffness,)
+    """C11, C12 and C44 of cubic crystals at room temperature, GPa, and their source."""
+    crystal: (
+        Literal["aluminium", "copper", "gold", "iron", "nickel", "silicon", "tungsten"] | None
+    ) = optional("cubic crystal with known constants, in place of the constants")
+    C11: Real | None = optional("stiffness C11, MPa")
+    C12: Real | None = optional("stiffness C12, MPa")
+    C13: Real | None = optional("stiffness C13, MPa; of a cubic crystal C12")
+    C14: Real | None = optional("stiffness C14, MPa; 0 by default")
+    C15: Real | None = optional("stiffness C15, MPa; 0 by default")
+    C16: Real | None = optional("stiffness C16, MPa; 0 by default")
+    C22: Real | None = optional("stiffness C22, MPa; C11 if the axis 3 is one of symmetry")
+    C23: Real | None = optional("stiffness C23, MPa; C13 if the axis 3 is one of symmetry")
+    C24: Real | None = optional("stiffness C24, MPa; 0 by default")
+    C25: Real | None = optional("stiffness C25, MPa; 0 by default")
+    C26: Real | None = optional("stiffness C26, MPa; 0 by default")
+    C33: Real | None = optional("stiffness C33, MPa; of a cubic crystal C11")
+    C34: Real | None = optional("stiffness C34, MPa; 0 by default")
+    C35: Real | None = optional("stiffness C35, MPa; 0 by default")
+    C36: Real | None = optional("stiffness C36, MPa; 0 by default")
+    C44: Real | None = optional("stiffness C44, shear of the axes 2 and 3, MPa")
+    C45: Real | None = optional("stiffness C45, MPa; 0 by default")
+    C46: Real | None = optional("stiffness C46, MPa; 0 by default")
+    C55: Real | None = optional("stiffness C55, shear of 1 and 3, MPa; C44 by symmetry")
+    C56: Real | None = optional("stiffness C56, MPa; 0 by default")
+    C66: Real | None = optional("stiffness C66, shear of 1 and 2, MPa; (C11 - C12)/2 by symmetry")
+    normal: tuple[Real, Real, Real] | None = optional(
+        "direction of z in the axes 1, 2, 3, any length"
+    )
+    along: tuple[Real, Real, Real] | None = optional(
+        "direction of x in the axes 1, 2, 3, at right angles to z"
+    )
+    phi1: Real = entry("first Euler angle (Bunge), about z, degrees", default=0.0)
+    Phi: Real = entry("second Euler angle, about the turned x, degrees", default=0.0)
+    phi2: Real = entry("third Euler angle, about the axis 3, degrees", default=0.0)
+    checks: ClassVar[tuple[Check, ...]] = (
+        _check_constants_of_class,
+        _check_orientation,
+        _check_stiffness,
+    )
 
     @property
-    def material(self) -> TransverseMaterial:
-        """The material."""
-        return TransverseMaterial(self.C11, self.C12, self.C13, self.C33, self.C44)
+    def material(self) -> TransverseMaterial | AnisotropicMaterial:
+        """The material in the axes of the contact; in closed form if isotropic in the surface."""
+        return _find_material(vars(self))
 
 
 class BodyLayer(Table):
@@ -214,9 +361,7 @@ def check_relaxation(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("relaxation[0].ratio", f"terms with the sum {lost:g}", cure)
 
 
-def relaxing(
-    body: Material | LayeredBody | TransverseMaterial, terms: tuple[Relaxation, ...]
-) -> Material | LayeredBody | TransverseMaterial | RelaxingBody:
+def relaxing(body: SurfaceResponse, terms: tuple[Relaxation, ...]) -> SurfaceResponse:
     """Return a body with terms of relaxation; the body itself if all their ratios are zero."""
     pairs = tuple((term.ratio, term.time) for term in terms if term.ratio > 0.0)
     if not pairs:
@@ -228,7 +373,7 @@ def relaxing(
 
 def describe_parts(
     layers: tuple[BodyLayer, ...],
-    body: Material | LayeredBody | TransverseMaterial | RelaxingBody,
+    body: SurfaceResponse,
 ) -> Iterator[tuple[str, str]]:
     """Yield a label and a text for each layer of a body, and for its relaxation."""
     for k, layer in enumerate(layers):
@@ -262,9 +407,25 @@ def check_constants(entries: ValidEntries) -> Iterator[Fault]:
 
 
 @lru_cache(64)
+def anisotropic_contact(
+    A: SurfaceResponse,
+    B: SurfaceResponse,
+    radii: tuple[float, float],
+    prescribed: tuple[tuple[str, float | None], ...],
+) -> HertzContact | HertzLine:
+    """Return the Hertz contact of homogeneous bodies, one or both anisotropic."""
+    law, load, (radius_x, radius_y) = AnisotropicHalfSpaces(A, B), dict(prescribed), radii
+    if radius_y < math.inf:
+        return law.hertz(radius_x, radius_y, **load)
+    along_x = law.harmonics[::2, 2, 2].real
+    compliance = 2.0 * along_x.sum() - along_x[0] + law.images[1][0, 0]
+    return hertz_line(float(2.0 / compliance), radius_x, load["load"], pressure=load["pressure"])
+
+
+@lru_cache(64)
 def layered_contact(
-    A: Material | LayeredBody | TransverseMaterial | RelaxingBody,
-    B: Material | LayeredBody | TransverseMaterial | RelaxingBody,
+    A: SurfaceResponse,
+    B: SurfaceResponse,
     radii: tuple[float, float],
     prescribed: tuple[tuple[str, float | None], ...],
     speed: float = 0.0,

@@ -290,7 +290,9 @@ class Problem:
         )
         if first or second or self.coupled or len(self.forces) or law.falls or self.wear:
             return None
-        if not (isinstance(normal, NormalProblem) and isinstance(normal.gap, np.ndarray)):
+        known = isinstance(normal, NormalProblem) and isinstance(normal.gap, np.ndarray)
+        parts = map(self.operators.elasticity.parts, ("xx", "xy", "yy", "zz"))
+        if not known or max(map(len, parts)) > 1:  # crystals without symmetry about the axes
             return None
 
         def is_symmetric(field: np.ndarray, sign: float, size: float) -> bool:
