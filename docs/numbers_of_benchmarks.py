@@ -999,6 +999,30 @@ def fit_posterior() -> str:
     return format_columns(read_rows("fit_posterior.csv"), columns)
 
 
+def spread_indices() -> str:
+    """Return the table of Sobol indices of outcomes that no model describes."""
+    columns = {
+        "outcome": ("outcome", str),
+        "samples": ("samples", number(".0f")),
+        "runs": ("runs", number(".0f")),
+        "largest error (root mean square)": ("largest error", number(".3f")),
+        "index within the interval, %": ("covered %", number(".0f")),
+    }
+    return format_columns(read_rows("spread_indices.csv"), columns)
+
+
+def spread_bearing() -> str:
+    """Return the table of total indices of the life of a roller."""
+    rows = read_rows("spread_bearing.csv")
+    sizes = [name for name in rows[0] if name.isdigit()]
+    lines = []
+    for row in rows:
+        cells = [f"{float(row[n]):.3f} ± {float(row[f'{n} half']):.3f}" if row[f"{n} half"]
+                 else f"{float(row[n]):.0f}" for n in sizes]  # fmt: skip
+        lines.append([f"`{row['key']}`" if "." in row["key"] else row["key"], *cells])
+    return format_table(["key", *(f"{n} samples" for n in sizes)], lines)
+
+
 def spread() -> str:
     """Return errors of percentiles and Sobol indices, and how often intervals contain them."""
     columns = {
@@ -1126,6 +1150,8 @@ TABLES = {
         fit_cost,
         fit_posterior,
         spread,
+        spread_indices,
+        spread_bearing,
         design,
     )
 }

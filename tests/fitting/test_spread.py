@@ -1,6 +1,7 @@
 """Spreads against closed forms, their intervals, failed samples, and files."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -60,31 +61,82 @@ def exact_indices(exponents, deviations):
 
 
 @pytest.mark.parametrize(
-    ("exponents", "deviations", "tolerance"),
+    ("exponents", "deviations"),
     [
-        ((1, 1), (0.2, 0.1), 0.01),  # full slip, Q = mu P: 1 % is required, .5 % the largest seen
-        ((1 / 3, 2 / 3, -2 / 3), (0.2, 0.05, 0.02), 0.01),  # p0 of a ball over P, E* and R
-        ((-3, -6, 6), (0.2, 0.05, 0.02), 0.05),  # its life: heavy tail, .03 with these seeds
+        ((1, 1), (0.2, 0.1)),  # full slip, Q = mu P
+        ((1 / 3, 2 / 3, -2 / 3), (0.2, 0.05, 0.02)),  # p0 of a ball over P, E* and R
+        ((-3, -6, 6), (0.2, 0.05, 0.02)),  # its life: heavy tail
     ],
 )
-def test_indices_are_those_of_the_closed_form(exponents, deviations, tolerance):
+def test_indices_are_those_of_the_closed_form(exponents, deviations):
     sampler = make_sampler(power_law(*exponents), deviations=deviations)
-    found = percentiles._indices(sampler, 512)[0]
-    first, total = exact_indices(exponents, deviations)
-    assert found[:, 0, 0] == pytest.approx(first, abs=tolerance)
-    assert found[:, 1, 0] == pytest.approx(total, abs=tolerance)
+    found = percentiles._indices(sampler, 16)[0]
+    exact = np.stack(exact_indices(exponents, deviations), axis=1)
+    # the model is exact: rounding
+    assert found == pytest.approx(np.repeat(exact[..., None], 3, axis=-1), abs=1e-10)
 
 
-def test_indices_without_a_model_agree_with_scipy():
-    rng = np.random.default_rng(1)
-    f = rng.standard_normal((3, 4, 4096))
-    f[2] = 0.6 * f[0] + 0.8 * f[1]  # shares .64 of the variance with B
-    found = percentiles.sobol_indices(f, 0.0 * f, np.zeros(3), 0.95)
-    flat = {"f_A": f[0].reshape(1, -1), "f_B": f[1].reshape(1, -1)}
-    pair = np.stack([f[2].reshape(1, -1), f[0].reshape(1, -1)])  # scipy squeezes a single cause
-    scipy = stats.sobol_indices(func=flat | {"f_AB": pair}, n=f[0].size)
-    # two estimators of 16384 samples, whose standard errors are some 1 %
-    assert found[1, 0] == pytest.approx(float(scipy.total_order[0]), abs=0.03)
+def test_indices_of_a_polynomial_are_exact_although_its_sign_changes():
+    """y = x1 + x2 + x1 x2 of normal keys: variances 1, 1 and 1 of its three terms."""
+    sampler = make_sampler(
+        ClosedForm(lambda x: np.prod(1.0 + np.log(x) / 0.1, axis=1)), deviations=(0.1, 0.1)
+    )
+    found = percentiles._indices(sampler, 16)[0, :, :, 0]
+    assert found == pytest.approx(np.array([[1 / 3, 2 / 3], [1 / 3, 2 / 3]]), abs=1e-10)
+
+
+FACTORS = (
+    lambda z: np.exp(-0.6 * z),
+    lambda z: 1.0 + 0.5 * np.tanh(2.0 * z),
+    lambda z: np.exp(0.3 * z),
+)
+"""Factors of an outcome that no quadratic function describes, over the scores of its keys."""
+
+
+def test_intervals_of_indices_contain_them_as_often_as_stated():
+    nodes, weights = np.polynomial.hermite_e.hermegauss(150)
+    values = [one(nodes) for one in FACTORS]
+    means = [weights @ one / weights.sum() for one in values]
+    v = np.array([weights @ (f / m - 1.0) ** 2 / weights.sum()
+                  for f, m in zip(values, means, strict=True)])  # fmt: skip
+    whole = np.prod(1.0 + v)
+    exact = np.stack([v, v / (1.0 + v) * whole], axis=1) / (whole - 1.0)
+    formula = ClosedForm(
+        lambda x: np.prod([one(np.log(x[:, k]) / 0.1) for k, one in enumerate(FACTORS)], axis=0)
+    )
+    covered, errors = [], []
+    for seed in range(25):
+        sampler = make_sampler(formula, deviations=(0.1, 0.1, 0.1), seed=seed)
+        found = percentiles._indices(sampler, 256)[0]
+        covered.append((found[..., 1] <= exact) & (exact <= found[..., 2]))
+        errors.append(found[..., 0] - exact)
+    # 150 intervals of 25 samples, some of them with the least width: 96 to 99 %
+    assert 0.93 <= np.mean(covered) < 1.0
+    assert np.sqrt(np.mean(np.square(errors))) < 0.05  # is .034
+
+
+def test_total_indices_of_ten_keys_and_a_life_need_few_samples():
+    """Life over ten log-normal keys, with a bend that no exponential of a quadratic has."""
+    s = np.array([0.6, 0.5, 0.4, 0.3, 0.2, 0.2, 0.1, 0.1, 0.05, 0.05])
+    keys = [f"wear.coefficient.{one}" for one in "AB"] + ["load.normal"]
+    keys += [f"creepage.{one}" for one in ("longitudinal", "lateral", "spin")]
+    keys += [f"body.{one}.{name}" for one in "AB" for name in ("radius_x", "young")]
+    uncertain = [{"key": key, "distribution": "lognormal", "median": 1.0, "factor": math.exp(0.1)}
+                 for key in keys]  # fmt: skip
+    table = {"scene": "twin-discs", "observe": "Qx"}
+    design = ts.SpreadDesign(spread=table, uncertain=uncertain)
+    life = ClosedForm(lambda x: np.exp(np.log(x) / 0.1 @ s + 0.1 * np.abs(np.log(x[:, 0]) / 0.1)))
+    inputs, matrix = design.inputs()
+    sampler = percentiles.Sampler(design.spread, inputs, matrix, life, life)
+    found = percentiles._indices(sampler, 32)[0, :, 1]
+    # the factor of the first key in closed form: means of exp(a z + b |z|)
+    means = [sum(stats.norm.cdf(b + c) * math.exp(0.5 * (b + c) ** 2) for c in (a, -a))
+             for a, b in ((0.6, 0.1), (1.2, 0.2))]  # fmt: skip
+    growth = np.append(means[1] / means[0] ** 2, np.exp(s[1:] ** 2))
+    exact = (1.0 - 1.0 / growth) * growth.prod() / (growth.prod() - 1.0)
+    assert life.evaluated == 12 * 32
+    assert found[:, 0] == pytest.approx(exact, abs=0.05)  # the required accuracy; is .02
+    assert ((found[:, 1] <= exact) & (exact <= found[:, 2])).sum() >= 8  # of ten; nine are expected
 
 
 def test_moments_are_those_of_the_closed_form():
@@ -118,19 +170,28 @@ def test_intervals_of_percentiles_contain_them_as_often_as_stated():
     assert shares.min() >= 0.91
 
 
-def coarse_and_fine():
+def coarse_and_fine(ripple=0.005, waves=40.0):
     """Return a formula, and the same with the error of a coarse mesh: 5 %, and a ripple."""
     return power_law(1, 1), ClosedForm(
-        lambda x: 0.95 * np.prod(x, axis=1) * (1.0 + 0.005 * np.sin(40.0 * x[:, 0]))
+        lambda x: 0.95 * np.prod(x, axis=1) * (1.0 + ripple * np.sin(waves * x[:, 0]))
     )
 
 
 def test_two_levels_have_the_result_of_the_fine_mesh():
     sampler = make_sampler(*coarse_and_fine(), coarse=0.5)
-    # intervals of two levels are a little too wide
-    assert count_covered(sampler, 60, 32, (0.5, 0.95)).min() >= 0.93
     (measure,), *_ = sampler.measures(64)
     assert measure.percentile(0.5, 0.95)[0] == pytest.approx(1.0, rel=0.01)  # not 5 % less
+
+
+def test_intervals_of_two_levels_contain_percentiles_as_often_as_stated():
+    errors = ((0.005, 40.0), (0.02, 7.0), (0.1, 40.0))
+    shares = np.array([
+        count_covered(make_sampler(*coarse_and_fine(*one), coarse=0.5), 60, 16, (0.05, 0.5, 0.95))
+        for one in errors
+    ])  # fmt: skip
+    # 180 repeats of three percentiles: 95 % are contained within 1.2 % (one standard deviation)
+    assert 0.93 <= shares.mean() <= 0.975
+    assert shares.min() >= 0.90
 
 
 def test_two_levels_need_fewer_fine_runs_for_the_same_accuracy():

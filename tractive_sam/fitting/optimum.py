@@ -495,7 +495,7 @@ def prepare_search(
     return search, aims, bounds, search.coordinates(start)
 
 
-def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, tuple], dict[str, Any]]:
+def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return variables and attributes of the result of a design."""
     table = document.design
     search, aims, bounds, start = prepare_search(table, done)
@@ -527,29 +527,26 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, tuple
         notes.append(f"{len(search.failures)} points could not be computed: {search.failures[0]}")
     lower, upper, _ = search.limits
     points, courses = zip(*search.trace.values(), strict=True)
-    of, outs = ("input",), ("outcome",)
     variables = {
-        "input": (of, [*search.response.keys], "1", "free keys"),
-        "start": (of, search.point(start), "1", "first values"),
-        "value": (of, search.point(best), "1", "values of the optimum"),
-        "lower": (of, lower, "1", "lower bounds"),
-        "upper": (of, upper, "1", "upper bounds"),
-        "key_multiplier": (of, of_keys, "1", "gain by the bound of a key, relative"),
-        "outcome": (outs, names, "1", "outcomes"),
-        "before": (outs, before, "1", "outcomes at the start"),
-        "after": (outs, after, "1", "outcomes at the optimum"),
-        "finer": (("end", "outcome"), finer, "1", "outcomes of both on a finer mesh"),
-        "margin": (("limit",), margins, "1", "distance from a limit, relative"),
-        "multiplier": (("limit",), of_limits, "1", "gain by a limit, relative"),
-        "search": (("step", "input"), search_points(search, points), "1", "keys of the search"),
-        "search_outcome": (("step", "outcome"), np.array(courses), "1",
-                           "outcomes of the search"),
-        "further_optima": (("optimum", "input"), search_points(search, others), "1", "optima"),
-        "front": (("point", "input"), search_points(search, front), "1", "keys of the front"),
-        "front_outcome": (("point", "outcome"), np.reshape([search.at(v) for v in front],
-                          (-1, len(names))), "1", "outcomes of the front"),
-        "notes": (("note",), notes, "1", "notes"),
-    }  # fmt: skip
+        "input": [*search.response.keys],
+        "start": search.point(start),
+        "value": search.point(best),
+        "lower": lower,
+        "upper": upper,
+        "key_multiplier": of_keys,
+        "outcome": names,
+        "before": before,
+        "after": after,
+        "finer": finer,
+        "margin": margins,
+        "multiplier": of_limits,
+        "search": search_points(search, points),
+        "search_outcome": np.array(courses),
+        "further_optima": search_points(search, others),
+        "front": search_points(search, front),
+        "front_outcome": np.reshape([search.at(v) for v in front], (-1, len(names))),
+        "notes": notes,
+    }
     text = f"{len(search.trace)} points"
     return variables, {"status": status, "message": text}
 
@@ -662,16 +659,25 @@ class OptimumResult(QuestionResult):
     """
 
     document = OptimumDesign
-    variables: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        **dict.fromkeys(("start", "value", "lower", "upper", "key_multiplier"), ("input",)),
-        **dict.fromkeys(("before", "after"), ("outcome",)),
-        **dict.fromkeys(("margin", "multiplier"), ("limit",)),
-        "finer": ("end", "outcome"),
-        "search": ("step", "input"),
-        "search_outcome": ("step", "outcome"),
-        "further_optima": ("optimum", "input"),
-        "front": ("point", "input"),
-        "front_outcome": ("point", "outcome"),
+    variables: ClassVar[Mapping[str, tuple[str, str, str]]] = {
+        "input": ("input", "", "free keys"),
+        "start": ("input", "1", "first values"),
+        "value": ("input", "1", "values of the optimum"),
+        "lower": ("input", "1", "lower bounds"),
+        "upper": ("input", "1", "upper bounds"),
+        "key_multiplier": ("input", "1", "gain by the bound of a key, relative"),
+        "outcome": ("outcome", "", "outcomes"),
+        "before": ("outcome", "1", "outcomes at the start"),
+        "after": ("outcome", "1", "outcomes at the optimum"),
+        "finer": ("end outcome", "1", "outcomes of both on a finer mesh"),
+        "margin": ("limit", "1", "distance from a limit, relative"),
+        "multiplier": ("limit", "1", "gain by a limit, relative"),
+        "search": ("step input", "1", "keys of the search"),
+        "search_outcome": ("step outcome", "1", "outcomes of the search"),
+        "further_optima": ("optimum input", "1", "keys of further optima"),
+        "front": ("point input", "1", "keys of the front"),
+        "front_outcome": ("point outcome", "1", "outcomes of the front"),
+        "notes": ("note", "", "notes"),
     }
 
     @property

@@ -20,10 +20,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
-from scipy.special import ndtri, stdtrit
+from scipy.special import ndtri
 
 from tractive_sam.fitting.case import Evaluations, on_finer_mesh
 from tractive_sam.fitting.distributions import Input, Spread, SpreadDesign, SpreadError
+from tractive_sam.fitting.estimators import Measure, sobol_indices
 from tractive_sam.fitting.response import (
     Progress,
     QuestionResult,
@@ -33,202 +34,6 @@ from tractive_sam.fitting.response import (
 )
 from tractive_sam.plot import Drawing, Variable, percentile_band, scatter_causes, study_samples
 from tractive_sam.schema import Fault, SceneError
-
-
-@dataclass(frozen=True, eq=False)
-class Measure:
-    """Empirical distribution of an outcome: atoms with weights, in rows of independent samples.
-
-    Attributes
-    ----------
-    atoms : ndarray, shape (R, n)
-        Values.
-    weights : ndarray, shape (R, n)
-        Their shares, which sum to 1 in each row; some are negative with two levels of meshes.
-    residual : float
-        With two levels, the mean absolute difference f - g(c), over the number of pairs.
-    """
-
-    atoms: np.ndarray
-    weights: np.ndarray
-    residual: float = 0.0
-
-    @classmethod
-    def of(cls, values: np.ndarray) -> Measure:
-        """Return the measure of values of shape (R, n); nan has no weight."""
-        known = np.isfinite(values)
-        shares = known / np.maximum(known.sum(axis=1, keepdims=True), 1)
-        return cls(np.where(known, values, 0.0), shares)
-
-    @classmethod
-    def of_levels(cls, coarse: np.ndarray, fine: np.ndarray) -> Measure:
-        """Return the two-level measure: E f = E g(c) + E (f - g(c)), g linear, for indicators too.
-
-        It has no error of the coarse mesh, whatever g is: a good g makes its variance small. After
-        M. B. Giles, Operations Research 56 (2008) 607-617, with the indicator f <= q for quantiles.
-
-        Parameters
-        ----------
-        coarse : ndarray, shape (R, n)
-            Values on the coarse mesh.
-        fine : ndarray, shape (R, n_1)
-            Values on the fine mesh of the first samples of each row.
-        """
-        first = coarse[:, : fine.shape[1]]
-        both = np.isfinite(first) & np.isfinite(fine)
-        c, f = first[both], fine[both]
-        scatters = c.size > 2 and np.ptp(c) > 0.0
-        slope = float(np.cov(c, f)[0, 1] / np.var(c, ddof=1)) if scatters else 1.0
-        shift = float(f.mean() - slope * c.mean()) if c.size else 0.0
-        main = cls.of(slope * coarse + shift)
-        pairs = [cls.of(np.where(both, x, np.nan)) for x in (fine, slope * first + shift)]
-        atoms = np.concatenate([main.atoms, *(one.atoms for one in pairs)], axis=1)
-        weights = [main.weights, pairs[0].weights, -pairs[1].weights]
-        rest = float(np.abs(f - slope * c - shift).mean()) / c.size if c.size else math.inf
-        return cls(atoms, np.concatenate(weights, axis=1), rest)
-
-    @cached_property
-    def _curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the probabilities and values of the quantile function, both rising.
-
-        With negative weights, the distribution function falls in places: its levels are put in
-        rising order (V. Chernozhukov et al., Econometrica 78 (2010) 1093-1125).
-        """
-        used = self.weights.ravel() != 0.0
-        atoms, weights = self.atoms.ravel()[used], self.weights.ravel()[used]
-        order = np.argsort(atoms, kind="stable")
-        atoms, levels = atoms[order], np.cumsum(weights[order] / weights.sum())[:-1]
-        order = np.argsort(levels, kind="stable")
-        rising = np.concatenate([[0.0], levels[order], [1.0]])
-        values = atoms[0] + np.concatenate([[0.0], np.cumsum(np.diff(atoms)[order])])
-        return 0.5 * (rising[1:] + rising[:-1]), values
-
-    def quantile(self, p: float) -> float:
-        """Return the value below which a share p lies; infinite beyond the sample."""
-        probability, values = self._curve
-        if not probability[0] <= p <= probability[-1]:
-            return math.inf if p > probability[-1] else -math.inf
-        return float(np.interp(p, probability, values))
-
-    def percentile(self, p: float, level: float) -> tuple[float, float, float]:
-        """Return the quantile at p, and the low and high ends of its interval.
-
-        The rows give the error of the share of values below the quantile; the ends are the
-        quantiles at p less and plus this error (R. S. Woodruff, JASA 47 (1952) 635-646).
-        """
-        value = self.quantile(p)
-        if math.isinf(value):  # beyond the sample: its last value, with an open end
-            value = float(self._curve[1][-1 if value > 0.0 else 0])
-        rows = len(self.weights)
-        below = (self.weights * (self.atoms <= value)).sum(axis=1)
-        error = math.sqrt(float(np.square(below - p).sum()) / (rows * (rows - 1)))
-        each = np.count_nonzero(self.weights > 0.0) / rows
-        error = max(error, 1.0 / (each * math.sqrt(12.0 * rows)))  # the steps of the shares
-        if self.residual:  # pairs on either side of the value, which a few may not contain
-            near = 0.5 * min(0.1, p, 1.0 - p)
-            width = self.quantile(p + near) - self.quantile(p - near)
-            error = max(error, math.sqrt(2.0 * near * self.residual / width))
-        reach = float(stdtrit(rows - 1, 0.5 + 0.5 * level)) * error
-        return value, self.quantile(p - reach), self.quantile(p + reach)
-
-    def moments(self, level: float) -> np.ndarray:
-        """Return value, low and high of mean and standard deviation, shape (2, 3)."""
-        mean = (self.weights * self.atoms).sum(axis=1)
-        square = (self.weights * np.square(self.atoms - mean.mean())).sum(axis=1)
-        sd = math.sqrt(max(float(square.mean()), 0.0))
-        halves = [half_width(mean, level), half_width(square, level) / (2.0 * sd) if sd else 0.0]
-        centre = np.array([mean.mean(), sd])
-        return np.stack([centre, centre - halves, centre + halves], axis=1)
-
-
-def half_width(rows: np.ndarray, level: float) -> float:
-    """Return the half width of the interval of the mean of independent numbers (Student's t)."""
-    t = float(stdtrit(rows.size - 1, 0.5 + 0.5 * level))
-    return t * float(np.std(rows, ddof=1)) / math.sqrt(rows.size)
-
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """Polynomial of second degree in independent scores, orthonormal: its indices are exact.
-
-    Attributes
-    ----------
-    powers : ndarray of int, shape (k, d)
-        Degree of each Hermite polynomial in each score.
-    coefficients : ndarray, shape (k,)
-        Their coefficients; the first one is the mean.
-    """
-
-    powers: np.ndarray
-    coefficients: np.ndarray
-
-    @classmethod
-    def fitted(cls, scores: np.ndarray, values: np.ndarray) -> Model:
-        """Return the least-squares model of values (n,) at scores (n, d), linear if n is small."""
-        d, known = scores.shape[-1], np.isfinite(values)
-        one = np.eye(d, dtype=int)
-        pairs = [one[i] + one[j] for i in range(d) for j in range(i, d)]
-        powers = np.array([0 * one[0], *one, *pairs])
-        powers = powers if known.sum() > 4 * len(powers) else powers[: d + 1]
-        basis = cls(powers, np.eye(len(powers))).at(scores[known])
-        return cls(powers, np.linalg.lstsq(basis, values[known], rcond=None)[0])
-
-    def at(self, scores: np.ndarray) -> np.ndarray:
-        """Return the model at scores of shape (..., d)."""
-        one = np.ones_like(scores)
-        factors = np.stack([one, scores, (scores**2 - one) / math.sqrt(2.0)])
-        terms = np.prod(
-            np.take_along_axis(factors[..., None, :], self.powers[(None,) * scores.ndim], axis=0)[
-                0
-            ],
-            axis=-1,
-        )
-        return terms @ self.coefficients
-
-    def variance(self, cause: np.ndarray) -> np.ndarray:
-        """Return the variance of all terms, of those with scores of a cause alone, and with any."""
-        squares = np.where(self.powers.any(axis=1), self.coefficients**2, 0.0)
-        within = self.powers[:, cause].sum(axis=1)
-        only = within == self.powers.sum(axis=1)
-        return np.array([squares.sum(), squares[only].sum(), squares[within > 0].sum()])
-
-
-def sobol_indices(
-    values: np.ndarray, model: np.ndarray, exact: np.ndarray, level: float
-) -> np.ndarray:
-    """Return first-order and total Sobol index of a cause with their intervals, shape (2, 3).
-
-    First order: the correlation of f_B and f_AB, which share the cause (A. Janon et al., ESAIM:
-    Probability and Statistics 18 (2014) 342-364); total: half the mean square of f_A - f_AB over
-    the variance. A model with exact variances is the control variate of all means. The interval is
-    that of a ratio of means over independent rows, linearised.
-
-    Parameters
-    ----------
-    values, model : ndarray, shape (3, R, n)
-        Outcomes, less the mean of the model, and the model less its mean: of two samples A and B,
-        and of A with the cause of B; nan: unknown.
-    exact : ndarray, shape (3,)
-        Variance of the model, its part by the cause alone, and its part with the cause.
-    level : float
-        Probability of the interval.
-    """
-    known = np.isfinite(values).all(axis=0)
-    rows = np.array(
-        [
-            [0.5 * (b**2 + ab**2), b * ab, 0.5 * (a**2 + ab**2), 0.5 * (a - ab) ** 2]
-            for a, b, ab in (np.where(known, values, 0.0), np.where(known, model, 0.0))
-        ]
-    )
-    rest = (rows[0] - rows[1]).sum(axis=-1)  # of each independent row
-    means = rest + np.array([exact[0], exact[1], exact[0], exact[2]])[:, None] * known.sum(axis=1)
-    result = np.zeros((2, 3))
-    for k, (variance, part) in enumerate(means.reshape(2, 2, -1)):
-        if variance.sum() > 0.0:
-            index = part.sum() / variance.sum()
-            half = half_width((part - index * variance) * (part.size / variance.sum()), level)
-            result[k] = index, index - half, index + half
-    return result
 
 
 @dataclass(frozen=True, eq=False)
@@ -358,6 +163,28 @@ class Sampler:
         levels = zip(np.moveaxis(values, -1, 0), np.moveaxis(fine, -1, 0), strict=True)
         return [Measure.of_levels(c, f) for c, f in levels], values, messages, pairs
 
+    def sample_until_accurate(self) -> tuple[list[Measure], np.ndarray, np.ndarray, int, str]:
+        """Return `measures` of enough samples, and what is not accurate enough yet, as text.
+
+        Raises
+        ------
+        SpreadError
+            If all samples of a row fail.
+        """
+        n = 2 ** max(math.ceil(math.log2(self.table.samples / self.rows)), 0)
+        while True:
+            measures, values, messages, pairs = self.measures(n)
+            failed = not all(one.weights.any(axis=1).all() for one in measures)
+            missing = "" if failed else _missing_accuracy(self.table, measures)
+            if not (failed or missing) or 2 * n * self.rows > self.table.most:
+                break
+            n *= 2
+        if failed:
+            reason = next(filter(None, messages.ravel()), "on the mesh of the scene")
+            cure = "distributions with values that scenes allow"
+            raise SpreadError([Fault("uncertain", f"samples fail: {reason}", cure)])
+        return measures, values, messages, pairs, missing
+
     def _pairs(self, n: int, coarse: np.ndarray, fine: np.ndarray) -> int:
         """Return the best number of fine runs in a row: n sqrt(V1 C0 / V0 C1), from first pairs."""
         both = np.isfinite(coarse) & np.isfinite(fine)
@@ -445,7 +272,7 @@ def _sampler(document: SpreadDesign, done: Evaluations) -> Sampler:
 
 def _answer(
     document: SpreadDesign, done: Evaluations, say: Callable[[str], None]
-) -> tuple[dict[str, tuple], dict[str, Any]]:
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return variables and attributes of the result of a spread."""
     table, sampler = document.spread, _sampler(document, done)
     centre = sampler.values(np.zeros((1, len(sampler.inputs))))
@@ -464,95 +291,53 @@ def _answer(
     notes = _describe_linear(sampler, nominal, linear_sd, shares)
     for note in notes:
         say(note)
-    n = 2 ** max(math.ceil(math.log2(table.samples / sampler.rows)), 0)
-    while True:
-        measures, values, messages, pairs = sampler.measures(n)
-        failed = not all(one.weights.any(axis=1).all() for one in measures)  # all of a sequence
-        missing = "" if failed else _missing_accuracy(table, measures)
-        if not (failed or missing) or 2 * n * sampler.rows > table.most:
-            break
-        n *= 2
-    if failed:
-        reason = next(filter(None, messages.ravel()), "on the mesh of the scene")
-        cure = "distributions with values that scenes allow"
-        raise SpreadError([Fault("uncertain", f"samples fail: {reason}", cure)])
+    measures, values, messages, pairs, missing = sampler.sample_until_accurate()
     percentiles = np.array([[one.percentile(p / 100.0, table.level) for p in table.percentiles]
                             for one in measures])  # fmt: skip
     moments = np.array([one.moments(table.level) for one in measures])
     wanted = table.samples if table.indices is None else table.indices
     indices = _indices(sampler, wanted)
-    failures, scores = int(np.count_nonzero(messages)), sampler.scores(n)[0]
+    failures, scores = int(np.count_nonzero(messages)), sampler.scores(messages.shape[1])[0]
     notes += [missing] if missing else []
     notes += _describe_failures(table, measures, messages)
     notes += _describe_causes(sampler, moments, linear_sd, indices)
     notes += _describe_meshes(sampler, nominal, finer, moments, pairs * sampler.rows)
-    variables = _variables(sampler, percentiles, moments, indices) | {
-        "nominal": (("outcome",), nominal, "1", "outcome at the medians"),
-        "finer": (("outcome",), finer, "1", "outcome at the medians on a finer mesh"),
-        "linear_sd": (("outcome",), linear_sd, "1", "standard deviation of the linear estimate"),
-        "linear_share": (("outcome", "cause"), shares, "1", "variance by cause, linear"),
-        "ends": (("end", "outcome", "input"), ends, "1", "outcome at 5 and 95 % of each key"),
-        "sample": (("run", "input"), sampler.values(scores).reshape(messages.size, -1), "1",
-                   "values of the keys"),
-        "sample_outcome": (("run", "outcome"), values.reshape(messages.size, -1), "1",
-                           "outcomes of the samples; nan: failed"),
-        "sample_message": (("run",), messages.ravel().tolist(), "1", "why a sample failed"),
-        "notes": (("note",), notes, "1", "notes"),
-    }  # fmt: skip
+    points = sampler.values(scores).reshape(messages.size, -1)
+    estimates = {"quantile": percentiles, "mean": moments[:, 0], "sd": moments[:, 1],
+                 "first": indices[:, :, 0], "total": indices[:, :, 1]}  # fmt: skip
+    variables: dict[str, Any] = {f"{name}{end}": array[..., k] for name, array in estimates.items()
+                 for k, end in enumerate(SpreadResult.ends)}  # fmt: skip
+    variables |= {
+        "input": [one.key for one in sampler.inputs],
+        "distribution": [one.text for one in sampler.inputs],
+        "cause": sampler.cause_names,
+        "outcome": [str(one) for one in table.outcomes],
+        "percentile": np.array(table.percentiles),
+        "nominal": nominal,
+        "finer": finer,
+        "linear_sd": linear_sd,
+        "linear_share": shares,
+        "ends": ends,
+        "sample": points,
+        "sample_outcome": values.reshape(messages.size, -1),
+        "sample_message": messages.ravel().tolist(),
+        "notes": notes,
+    }
     text, status = f"{messages.size} samples, {failures} failed", "accuracy not reached"
     return variables, {"status": status if missing else "done", "message": text}
 
 
 def _indices(sampler: Sampler, wanted: int) -> np.ndarray:
     """Return Sobol indices with intervals, shape (m, causes, 2, 3); nan if none are wanted."""
-    shape = len(sampler.table.outcomes), len(sampler.causes), 2, 3
+    m, causes = len(sampler.table.outcomes), sampler.causes
     if not wanted:
-        return np.full(shape, math.nan)
-    n = 2 ** max(math.ceil(math.log2(wanted / sampler.rows)), 0)
-    first, second = sampler.scores(n)
-    both = np.stack([first, second])
-    values = np.stack([sampler.evaluate(sampler.coarse, z)[0] for z in both])
-    models = [Model.fitted(both.reshape(-1, both.shape[-1]), values[..., k].ravel())
-              for k in range(shape[0])]  # fmt: skip
-    result = np.empty(shape)
-    for j, cause in enumerate(sampler.causes):
-        mixed = first.copy()
+        return np.full((m, len(causes), 2, 3), math.nan)
+    first, second = sampler.scores(2 ** max(math.ceil(math.log2(wanted / sampler.rows)), 0))
+    scores = np.stack([first, second, *(first for _ in causes)])
+    for mixed, cause in zip(scores[2:], causes, strict=True):
         mixed[..., cause] = second[..., cause]
-        outcomes = np.concatenate([values, sampler.evaluate(sampler.coarse, mixed)[0][None]])
-        for k, model in enumerate(models):
-            mean = model.coefficients[0]
-            predicted = model.at(np.concatenate([both, mixed[None]])) - mean
-            result[k, j] = sobol_indices(
-                outcomes[..., k] - mean, predicted, model.variance(cause), sampler.table.level
-            )
-    return result
-
-
-def _variables(
-    sampler: Sampler, percentiles: np.ndarray, moments: np.ndarray, indices: np.ndarray
-) -> dict[str, tuple]:
-    """Return the variables of inputs, percentiles, moments and indices."""
-    outcomes, of = [str(one) for one in sampler.table.outcomes], ("outcome",)
-    variables: dict[str, tuple] = {
-        "input": (("input",), [one.key for one in sampler.inputs], "1", "uncertain keys"),
-        "distribution": (("input",), [one.text for one in sampler.inputs], "1", "distributions"),
-        "cause": (("cause",), sampler.cause_names, "1", "independent causes"),
-        "outcome": (of, outcomes, "1", "outcomes"),
-        "percentile": (("percentile",), sampler.table.percentiles, "1", "percentiles"),
-    }
-    for k, end in enumerate(("value", "low", "high")):
-        more = {
-            "quantile": ((*of, "percentile"), percentiles[..., k]),
-            "mean": (of, moments[:, 0, k]),
-            "sd": (of, moments[:, 1, k]),
-            "first": ((*of, "cause"), indices[:, :, 0, k]),
-            "total": ((*of, "cause"), indices[:, :, 1, k]),
-        }
-        variables |= {
-            name if not k else f"{name}_{end}": (dims, array, "1", f"{name}, {end}")
-            for name, (dims, array) in more.items()
-        }
-    return variables
+    values = np.moveaxis(sampler.evaluate(sampler.coarse, scores)[0], -1, 0)
+    return np.stack([sobol_indices(scores, one, causes, sampler.table.level) for one in values])
 
 
 def _describe_linear(
@@ -669,19 +454,32 @@ class SpreadResult(QuestionResult):
     """
 
     document = SpreadDesign
-    variables: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        "nominal": ("outcome",),
-        "linear_sd": ("outcome",),
-        "linear_share": ("outcome", "cause"),
-        "ends": ("end", "outcome", "input"),
-        "percentile": ("percentile",),
-        **{f"quantile{end}": ("outcome", "percentile") for end in ("", "_low", "_high")},
-        **{f"{name}{end}": ("outcome",)
-           for name in ("mean", "sd") for end in ("", "_low", "_high")},
-        **{f"{name}{end}": ("outcome", "cause")
-           for name in ("first", "total") for end in ("", "_low", "_high")},
-        "sample": ("run", "input"),
-        "sample_outcome": ("run", "outcome"),
+    ends: ClassVar[tuple[str, ...]] = ("", "_low", "_high")
+    """Ends of the names of an estimate, and of the low and high end of its interval."""
+    variables: ClassVar[Mapping[str, tuple[str, str, str]]] = {
+        "input": ("input", "", "uncertain keys"),
+        "distribution": ("input", "", "their distributions"),
+        "cause": ("cause", "", "independent causes"),
+        "outcome": ("outcome", "", "outcomes"),
+        "percentile": ("percentile", "1", "percentiles"),
+        "nominal": ("outcome", "1", "outcome at the medians"),
+        "finer": ("outcome", "1", "outcome at the medians on a finer mesh"),
+        "linear_sd": ("outcome", "1", "standard deviation of the linear estimate"),
+        "linear_share": ("outcome cause", "1", "variance by cause, linear"),
+        "ends": ("end outcome input", "1", "outcome at 5 and 95 % of each key"),
+        "sample": ("run input", "1", "values of the keys"),
+        "sample_outcome": ("run outcome", "1", "outcomes of the samples; nan: failed"),
+        "sample_message": ("run", "", "why a sample failed"),
+        "notes": ("note", "", "notes"),
+        **{f"{name}{end}": (dims, "1", f"{meaning}{end.replace('_', ', ')}")
+           for end in ends
+           for name, dims, meaning in (
+               ("quantile", "outcome percentile", "percentile of an outcome"),
+               ("mean", "outcome", "mean"),
+               ("sd", "outcome", "standard deviation"),
+               ("first", "outcome cause", "first-order Sobol index"),
+               ("total", "outcome cause", "total Sobol index"),
+           )},
     }  # fmt: skip
 
     def _place(self, outcome: str, percentile: float) -> tuple[int, int]:
@@ -734,7 +532,7 @@ class SpreadResult(QuestionResult):
         outcomes, draw = self.design.spread.outcomes, partial(partial, title=self.title)
         for k, one in enumerate(outcomes):
             label, name = one.label, str(one).replace(" ", "-")
-            bars = {i: np.stack([columns[f"{i}{end}"][k] for end in ("", "_low", "_high")])
+            bars = {i: np.stack([columns[f"{i}{end}"][k] for end in self.ends])
                     for i in ("first", "total")}  # fmt: skip
             if not np.isfinite(bars["first"]).all():
                 parts = columns["linear_share"][k]

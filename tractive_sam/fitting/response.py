@@ -51,7 +51,7 @@ from tractive_sam.store import DamagedError, ResultsError, read_netcdf, versions
 
 
 def make_dataset(
-    variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
+    variables: Mapping[str, tuple[Sequence[str], Any, str, str]], attributes: Mapping[str, Any]
 ) -> xarray.Dataset:
     """Return an xarray Dataset from variables (dimensions, values, unit, description).
 
@@ -324,8 +324,8 @@ class QuestionResult:
 
     document: ClassVar[type[QuestionDocument]]
     """Class of the file of the question."""
-    variables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
-    """Dimensions of the numbers of a complete result, by name."""
+    variables: ClassVar[Mapping[str, tuple[str, str, str]]] = {}
+    """Dimensions, unit ("": text) and meaning of the variables of a complete result, by name."""
 
     dataset: xarray.Dataset
 
@@ -413,11 +413,10 @@ class QuestionResult:
     def to_dict(self) -> dict[str, Any]:
         """Return the result as ``tractive-sam show --json`` prints it; None for unknown numbers."""
         content: dict[str, Any] = {"status": self.status, "message": self.message}
-        for name in ("input", "outcome", "notes", *self.variables):
-            if name in self.dataset:
-                array = self.dataset[name].values
-                content[name] = _plain(array.tolist())
-        return content
+        shown = {name: self.dataset[name] for name in self.variables if name in self.dataset}
+        return content | {
+            name: _plain(variable.values.tolist()) for name, variable in shown.items()
+        }
 
     def check(self) -> None:
         """Raise a ValueError or SceneError unless the file has what its design needs."""
@@ -425,13 +424,11 @@ class QuestionResult:
         getattr(design, self.kind())
         if not self.finished:
             return
-        for name, dims in self.variables.items():
+        for name, (dims, unit, _) in self.variables.items():
             if name not in data:
                 raise ValueError(f"it lacks {name}")
-            if data[name].dims != dims or data[name].dtype.kind not in "biuf":
-                raise ValueError(f"{name}: another shape or type")
-        for name in ("input", "outcome", "notes"):
-            if name not in data or data[name].ndim != 1 or data[name].dtype.kind not in "OSU":
+            kinds = "biuf" if unit else "OSU"
+            if data[name].dims != tuple(dims.split()) or data[name].dtype.kind not in kinds:
                 raise ValueError(f"{name}: another shape or type")
 
 
@@ -479,7 +476,7 @@ def run_question(
     kind: type[Result],
     document: Any,
     path: str | PathLike[str] | None,
-    answer: Callable[[Any, Evaluations], tuple[dict[str, tuple], dict[str, Any]]],
+    answer: Callable[[Any, Evaluations], tuple[dict[str, Any], dict[str, Any]]],
     *,
     workers: int,
     scheduler: str | None,
@@ -514,20 +511,18 @@ def run_question(
     stored = {} if path is None else _read_stored(kind, path, scene, files, overwrite)
     with compute_with(workers, scheduler) as compute:
         done = Evaluations(compute, stored, interval=5.0, progress=progress)
-        design: dict[str, tuple] = {
-            "design": ((), document.to_toml(), "1", "the file of the question")
-        }
-        shared: dict[str, Any] = {
-            "format": f"{kind.kind()} 1",
-            "version": versions()["tractive-sam"],
-        }
+        design = {"design": ((), document.to_toml(), "1", "the file of the question")}
+        shared = {"format": f"{kind.kind()} 1", "version": versions()["tractive-sam"]}
         shared |= {"files": json.dumps(files)}
 
-        def write(variables: dict[str, tuple], attributes: dict[str, Any]) -> Result:
+        def write(values: Mapping[str, Any], attributes: Mapping[str, Any]) -> Result:
             contacts, rolls, _ = done.cost
+            variables = {name: (dims.split(), values[name], unit, meaning)
+                         for name, (dims, unit, meaning) in kind.variables.items()
+                         if name in values}  # fmt: skip
             numbers = design | variables | answer_variables(done.stored)
             cost = {"cost": f"{contacts} contacts, {rolls} rolls"}
-            result = kind(make_dataset(numbers, shared | cost | attributes))
+            result = kind(make_dataset(numbers, shared | cost | dict(attributes)))
             if path is not None:
                 write_netcdf(path, result.dataset)
             return result
