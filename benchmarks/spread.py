@@ -89,7 +89,8 @@ def row_of(name: str, samples: int, repeats: int, two_levels: bool = False) -> d
             found = _indices(one, samples)[0]
             truth = np.stack([first, total], axis=1)
             index_errors.append(np.abs(found[..., 0] - truth).max())
-            indices_covered.append((found[..., 1] <= truth) & (truth <= found[..., 2]))
+            low, high = found[..., 1] - 1e-9, found[..., 2] + 1e-9  # exact indices: rounding
+            indices_covered.append((low <= truth) & (truth <= high))
     return {
         "outcome": name,
         "samples": samples,

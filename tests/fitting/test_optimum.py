@@ -42,7 +42,7 @@ def search_of(formula, limits=((0.1, 10.0), (0.1, 10.0)), **table):
 def test_the_optimum_of_a_closed_form_with_its_multiplier():
     """Least x + y with x y >= 4: both are 2, and 1 % more of the limit costs half a per cent."""
     search = search_of(lambda x, y: np.array([x + y, x * y]))
-    aim, bounds = Aim(0), [Bound(1, -1.0, 4.0)]
+    aim, bounds = Aim(np.array([1.0, 0.0])), [Bound(np.array([0.0, 1.0]), -1.0, 4.0)]
     best, converged = search.minimise(aim, bounds, np.array([0.3, 0.8]))
     assert converged
     assert search.point(best) == pytest.approx([2.0, 2.0], rel=1e-3)  # differences over 1e-4
@@ -53,15 +53,15 @@ def test_the_optimum_of_a_closed_form_with_its_multiplier():
 
 def test_a_bound_of_a_key_has_the_multiplier_of_its_power():
     search = search_of(lambda x, y: np.array([x**-2 * y]))
-    best, _ = search.minimise(Aim(0), [], np.array([0.5, 0.5]))
+    best, _ = search.minimise(Aim(np.ones(1)), [], np.array([0.5, 0.5]))
     assert search.point(best) == pytest.approx([10.0, 0.1])
-    _, of_keys = search.multipliers(Aim(0), [], best)
+    _, of_keys = search.multipliers(Aim(np.ones(1)), [], best)
     assert of_keys == pytest.approx([2.0, 1.0], rel=1e-2)
 
 
 def test_a_point_that_fails_is_avoided():
     search = search_of(lambda x, y: np.array([x + y if x > 0.5 else np.nan]))
-    best, _ = search.minimise(Aim(0), [], np.array([0.6, 0.5]))
+    best, _ = search.minimise(Aim(np.ones(1)), [], np.array([0.6, 0.5]))
     x, y = search.point(best)
     assert x > 0.5
     assert x + y < 0.6 * search.point(np.array([0.6, 0.5])).sum()
@@ -71,8 +71,8 @@ def test_a_point_that_fails_is_avoided():
 def test_differential_evolution_finds_the_deeper_of_two_valleys():
     search = search_of(lambda x, y: np.array([2.0 + np.sin(3.0 * x) + 0.05 * x + y]))
     start = np.array([0.9, 0.5])
-    local, _ = search.minimise(Aim(0), [], start)
-    best, _ = search.minimise(Aim(0), [], search.explore(Aim(0), []))
+    local, _ = search.minimise(Aim(np.ones(1)), [], start)
+    best, _ = search.minimise(Aim(np.ones(1)), [], search.explore(Aim(np.ones(1)), []))
     assert search.at(best)[0] < search.at(local)[0] - 0.05
     assert search.point(best)[0] == pytest.approx(1.566, abs=0.01)  # 3 cos 3x = -.05
 
@@ -268,3 +268,66 @@ def test_commands_compute_explain_show_draw_and_report(scene, tmp_path, monkeypa
     assert runner.invoke(app, ["report", "d.nc", "-o", "page.html"]).exit_code == 0
     assert "Qx at least 0.15" in (tmp_path / "page.html").read_text("utf-8")
     assert runner.invoke(app, ["design", "d.toml", "-o", "d.h5"]).exit_code == 2
+
+
+@pytest.fixture(scope="module")
+def duty(scene):
+    """A lighter and a heavier load on the same spheres in full slip."""
+    return [scene.replace(**{"load.normal": load}) for load in (0.3, 0.8)]
+
+
+def test_several_scenes_have_a_weighted_aim_and_limits_of_each(duty):
+    """Q = mu P: most mean force below a limit of the heavier scene, mu = Q2 / P2."""
+    key = {"key": "friction.mu", "lower": 0.1, "upper": 0.6}
+    limits = [{"observe": "Qx", "at_most": 0.24}]
+    table = design_of(duty, free=[key], limit=limits, weights=[0.25, 0.75], tolerance=1e-8)
+    found = ts.design(table)
+    assert found.values["friction.mu"] == pytest.approx(0.3, rel=1e-3)  # full slip but for ends
+    assert found.texts("outcome") == ("Qx, scene 1", "Qx, scene 2")
+    assert found.texts("aim") == ("Qx, weighted",)
+    assert [one.load.normal for one in found.scenes] == [0.3, 0.8]
+    text = " ".join(found.notes)
+    assert "Qx at most 0.24 in scene 2 is active" in text
+    assert "scene 1 is active" not in text
+    target = {"observe": "Qx", "value": 0.2}
+    found = ts.design(table | {"maximise": [], "limit": [], "target": target})
+    assert found.values["friction.mu"] == pytest.approx(0.2 / (0.25 * 0.3 + 0.75 * 0.8), rel=2e-3)
+
+
+def test_files_hold_several_scenes(duty, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for number, one in enumerate(duty):
+        (tmp_path / f"s{number}.toml").write_text(one.to_toml())
+    (tmp_path / "d.toml").write_text(
+        '[design]\nscene = ["s0.toml", "s1.toml"]\nminimise = "p_max"\nmesh_check = false\n'
+        '[[design.free]]\nkey = "body.A.radius_x"\nlower = 200.0\nupper = 500.0\n'
+    )
+    runner = CliRunner()
+    done = runner.invoke(app, ["design", "d.toml", "-o", "d.nc", "--scene", "best.toml"])
+    assert done.exit_code == 0, done.output
+    assert ts.Scene.from_toml("best-2.toml").load.normal == 0.8
+    found = ts.open_design("d.nc")
+    assert found.values == {"body.A.radius_x": 500.0}
+    again = ts.OptimumDesign.from_toml_text(found.design.to_toml())
+    assert again == found.design
+    assert [one.load.normal for one in again.scenes] == [0.3, 0.8]
+    assert runner.invoke(app, ["explain", "d.toml"]).exit_code == 0
+    assert [one.name for one in found.drawings()] == ["search"]
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"weights": [1.0]}, "design.weights"),
+        ({"weights": [1.0, -1.0]}, "design.weights"),
+        ({"scene": ["spheres", "sphere"]}, "design.scene[1]"),
+        ({"scene": []}, "design.scene"),
+        ({"free": [{"key": "friction.mu", "lower": 0.1, "upper": 0.6, "start": 0.3}]},
+         "design.free[0].key"),
+    ],
+)  # fmt: skip
+def test_a_fault_of_several_scenes_is_reported_by_its_key(change, key):
+    table = {"scene": ["spheres", "twin-discs"], "minimise": "p_max", "free": [LOAD]}
+    with pytest.raises(ts.DesignError) as caught:
+        ts.OptimumDesign(design=table | change)
+    assert any(fault.key.startswith(key) for fault in caught.value.faults), caught.value.faults

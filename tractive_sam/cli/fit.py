@@ -145,14 +145,16 @@ def design(
     file
         A design file (TOML): the scene, its free keys, aims and limits.
     scene
-        Also write the scene of the optimum.
+        Also write the scene of the optimum; further ones are OUT-2.toml, OUT-3.toml, ....
     """
     from tractive_sam.output_file import write_file
 
     def compute(*arguments: Any, **options: Any) -> Any:
         result = ts.design(*arguments, **options)
         if scene is not None:
-            write_file(scene, result.scene.to_toml())
+            for n, one in enumerate(result.scenes):  # OUT.toml, OUT-2.toml, ...
+                path = scene.with_stem(f"{scene.stem}-{n + 1}") if n else scene
+                write_file(path, one.to_toml())
         return result
 
     if scene is not None:

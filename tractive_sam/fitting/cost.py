@@ -9,7 +9,7 @@ from tractive_sam.fitting.design import FitDesign, Parameters
 from tractive_sam.fitting.distributions import SpreadDesign
 from tractive_sam.fitting.optimum import OptimumDesign, prepare_search
 from tractive_sam.fitting.problem import Series, groups_of
-from tractive_sam.fitting.response import Response
+from tractive_sam.fitting.response import Response, label_of
 from tractive_sam.fitting.run import read_all
 from tractive_sam.studies import estimate_times
 
@@ -95,11 +95,11 @@ def explain_spread(design: SpreadDesign) -> Description:
     inputs, table = design.inputs()[0], design.spread
     point = np.array([one.values(np.zeros(1))[0] for one in inputs])
     keys = [one.key for one in inputs]
-    response = Response(table.scene, tuple(keys), table.outcomes, done)
+    response = Response((table.scene,), tuple(keys), table.outcomes, done)
     (seconds,) = estimate_times([response.scene_at(point)], with_files=False)
     wanted = table.samples if table.indices is None else table.indices
     runs = table.samples + wanted * (1 + len(inputs))
-    outcomes = [(str(one), one.label) for one in table.outcomes]
+    outcomes = [(str(one), label_of(str(one))) for one in table.outcomes]
     each = f"about {format_duration(seconds)} each and {format_duration(seconds * runs)} in all"
     work = [
         ("linear estimate", f"at most {2 * len(inputs) + 2} runs"),
@@ -126,13 +126,13 @@ def explain_design(design: OptimumDesign) -> Description:
     """
     table = design.design
     search, aims, _, start = prepare_search(table, Evaluations(lambda cases: iter(())))
-    outcomes = search.response.outcomes
-    names = ["minimise" if one.sign > 0.0 else "maximise" for one in aims]
-    rows = [(name, str(outcomes[one.place])) for name, one in zip(names, aims, strict=True)]
+    rows = [("minimise" if one.sign > 0.0 else "maximise", one.name) for one in aims]
     if table.target is not None:
-        rows = [("target", f"{table.target.observe} = {table.target.value:g}")]
-    (seconds,) = estimate_times([search.response.scene_at(search.point(start))], with_files=False)
-    runs = len(table.free) + 1
+        rows = [("target", f"{aims[0].name} = {table.target.value:g}")]
+    point, number = search.point(start), len(design.scenes)
+    scenes = [search.response.scene_at(point, n) for n in range(number)]
+    runs = (len(table.free) + 1) * number
+    seconds = sum(estimate_times(scenes, with_files=False)) / number
     work = [
         ("an iteration", f"{runs} runs, about {format_duration(seconds * runs)} of one core"),
         ("iterations", f"at most {table.iterations} for each of {table.starts} starts"),

@@ -541,22 +541,39 @@ class Fit(Table):
 
 
 class QuestionDocument(TomlTable):
-    """File of a question to a scene: the table that is named as the question has the scene."""
+    """File of a question to scenes: the table that is named as the question has them."""
+
+    several: ClassVar[bool] = False
+    """Whether `scene` may be a list; then the entry ``further`` has all but the first of them."""
+
+    @property
+    def scenes(self) -> tuple[Scene, ...]:
+        """The scenes of the question."""
+        table = getattr(self, self.error_class.subject)
+        return (table.scene, *(table.further if self.several else ()))
 
     @classmethod
     def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
-        """Read the scene that the table names; raise the error of the class with its faults."""
+        """Read the scenes that the table names; raise the error of the class with its faults."""
         name = cls.error_class.subject
         table = entries.get(name)
-        if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
+        if not isinstance(table, Mapping):
+            return entries
+        given: Any = table.get("scene")
+        is_list = cls.several and isinstance(given, list | tuple) and len(given) > 0
+        scenes = [*(given if is_list else [given]), *(table.get("further") or ())]
+        for k, scene in enumerate(scenes):
             try:
-                scene = table["scene"]
-                inner_scene = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
+                if isinstance(scene, str):
+                    scenes[k] = Scene.from_name(scene)
+                elif isinstance(scene, Mapping):
+                    scenes[k] = Scene(**scene)
             except SceneError as error:
-                under = [fault.under(f"{name}.scene") for fault in error.faults]
-                raise cls.error_class(under) from None
-            entries[name] = {**table, "scene": inner_scene}
-        return entries
+                key = f"{name}.scene[{k}]" if len(scenes) > 1 else f"{name}.scene"
+                raise cls.error_class([fault.under(key) for fault in error.faults]) from None
+        first = {} if scenes[0] is None else {"scene": scenes[0]}
+        further = {"further": tuple(scenes[1:])} if len(scenes) > 1 else {}
+        return {**entries, name: {**table, **first, **further}}
 
     @classmethod
     def read(cls, design: Self | Mapping[str, Any] | str | PathLike[str]) -> Self:
@@ -578,18 +595,28 @@ class QuestionDocument(TomlTable):
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """Put a folder before paths of a scene file and the files of a scene; return the tables."""
         table = tables.get(cls.error_class.subject)
-        match table:
-            case {"scene": str(name)} if isinstance(table, dict) and (folder / name).is_file():
-                table["scene"] = str(folder / name)
-            case {"scene": dict(scene)}:
-                Scene.resolve_files(folder, scene)
+        if isinstance(table, dict):
+            scenes = table.get("scene")
+            for scene in [*(scenes if isinstance(scenes, list) else [scenes]),
+                          *(table.get("further") or ())]:  # fmt: skip
+                if isinstance(scene, dict):
+                    Scene.resolve_files(folder, scene)
+
+            def place(scene: Any) -> Any:
+                is_file = isinstance(scene, str) and (folder / scene).is_file()
+                return str(folder / scene) if is_file else scene
+
+            if scenes is not None:
+                is_list = isinstance(scenes, list)
+                table["scene"] = [place(one) for one in scenes] if is_list else place(scenes)
         return tables
 
     def fix_files(self) -> Self:
-        """Return the design whose scene has its files as they are now, for all computations."""
+        """Return the design whose scenes have their files as they are now, for all computations."""
         name = self.error_class.subject
-        table = getattr(self, name)
-        fixed = table.model_copy(update={"scene": table.scene.with_current_files(fix=True)})
+        scene, *further = (one.with_current_files(fix=True) for one in self.scenes)
+        changes = {"scene": scene} | ({"further": tuple(further)} if further else {})
+        fixed = getattr(self, name).model_copy(update=changes)
         return self.model_copy(update={name: fixed})
 
 

@@ -22,10 +22,10 @@ import numpy as np
 from tractive_sam.fitting.case import Evaluations, on_finer_mesh
 from tractive_sam.fitting.design import Names, QuestionDocument, changes_of, start_of
 from tractive_sam.fitting.response import (
-    Outcome,
     Progress,
     QuestionResult,
     Response,
+    label_of,
     open_question,
     read_outcome,
     run_question,
@@ -35,6 +35,7 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import (
     Check,
     Fault,
+    NotNegative,
     Real,
     SceneError,
     Table,
@@ -127,11 +128,14 @@ def _check_aims(entries: ValidEntries) -> Iterator[Fault]:
             where = f"{key}[{k}]" if k >= 0 else "target" if target else "minimise"
             yield from (Fault(f"{where}.observe", f.given, f.allowed) for f in error.faults)
     keys = [one.key for one in entries["free"]]
+    scenes = (entries["scene"], *entries["further"])
     for k, one in enumerate(entries["free"]):
         if keys.count(one.key) > 1:
             yield Fault(f"free[{k}].key", f"{one.key} {keys.count(one.key)} times", "each key once")
         try:
             value = start_of(entries["scene"], one.key, one.start)
+            for scene in entries["further"]:
+                start_of(scene, one.key, value)
         except SceneError as error:
             yield from (Fault(f"free[{k}].key", f"{one.key}: {f.given}", f.allowed)
                         for f in error.faults)  # fmt: skip
@@ -139,7 +143,9 @@ def _check_aims(entries: ValidEntries) -> Iterator[Fault]:
         if one.lower < one.upper and not one.lower <= value <= one.upper:
             allowed = f"a scene with {one.lower:g} to {one.upper:g}, or start"
             yield Fault(f"free[{k}].start", f"{value:g} in the scene", allowed)
-    if entries["scene"].accuracy is not None:
+    if entries["weights"] and len(entries["weights"]) != len(scenes):
+        yield Fault("weights", shorten(entries["weights"]), f"{len(scenes)} numbers, as scenes")
+    if any(scene.accuracy is not None for scene in scenes):
         cure = "a [grid] or none: all designs have the same number of elements"
         yield Fault("scene.accuracy", "a table", cure)
 
@@ -148,7 +154,14 @@ class Design(Table):
     """The [design] table: scene, free keys, aims, limits, and settings of the search."""
 
     title: str = entry("title", default="")
-    scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
+    scene: Scene = entry(
+        "the scene, or a list of scenes, whose limits all of them keep",
+        "a built-in name, a scene file, or the tables of a scene",
+    )
+    further: tuple[Scene, ...] = entry("scenes after the first one", "a list of scenes", ())
+    weights: tuple[NotNegative, ...] = entry(
+        "weights of the scenes in the sum of an aim; by default their mean", "a list of numbers", ()
+    )
     free: tuple[FreeKey, ...] = entry("the free keys", "at least one table", min_length=1)
     minimise: Names = entry("columns of a record to minimise", "a name, or two", ())
     maximise: Names = entry("columns of a record to maximise", "a name, or two", ())
@@ -188,39 +201,46 @@ class OptimumDesign(QuestionDocument):
     """
 
     design: Design = entry("the design")
+    several: ClassVar[bool] = True
     error_class: ClassVar[type[SceneError]] = DesignError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Aim:
-    """Outcome to minimise: sign * outcome, or the square of its distance from a target."""
+    """Sum to minimise: sign * weights . outcomes, or the square of its distance from a target."""
 
-    place: int
+    weights: np.ndarray
     sign: float = 1.0
     target: float | None = None
+    name: str = ""
+
+    def total(self, outcomes: np.ndarray) -> Any:
+        """Return the sum for outcomes of shape (..., m)."""
+        return outcomes @ self.weights
 
     def value(self, outcomes: np.ndarray) -> float:
         """Return the number that is minimised."""
-        y = float(outcomes[self.place])
+        y = float(self.total(outcomes))
         return self.sign * y if self.target is None else (y - self.target) ** 2
 
-    def slope(self, outcomes: np.ndarray) -> float:
-        """Return its derivative by the outcome."""
-        y = float(outcomes[self.place])
-        return self.sign if self.target is None else 2.0 * (y - self.target)
+    def slope(self, outcomes: np.ndarray) -> np.ndarray:
+        """Return its derivatives by the outcomes."""
+        y = float(self.total(outcomes))
+        return self.weights * (self.sign if self.target is None else 2.0 * (y - self.target))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Bound:
-    """Limit of an outcome: sign * (bound - outcome) >= 0."""
+    """Limit of a sum of outcomes: sign * (bound - weights . outcomes) >= 0."""
 
-    place: int
+    weights: np.ndarray
     sign: float
     bound: float
+    name: str = ""
 
     def margin(self, outcomes: np.ndarray) -> float:
         """Return how far the outcome is from its limit, over the limit; negative beyond it."""
-        return self.sign * (self.bound - float(outcomes[self.place])) / self.size
+        return self.sign * (self.bound - float(outcomes @ self.weights)) / self.size
 
     @property
     def size(self) -> float:
@@ -347,14 +367,14 @@ class Search:
 
         def cost(x: np.ndarray) -> tuple[float, np.ndarray]:
             outcomes, by_v = model(x)
-            slope = aim.slope(outcomes) * by_v[aim.place] / scale
+            slope = aim.slope(outcomes) @ by_v / scale
             return aim.value(outcomes) / scale + price * x[-1], np.append(slope, price)
 
         def margins(x: np.ndarray) -> list[float]:
             return [one.margin(model(x)[0]) + x[-1] for one in bounds]
 
         def margin_slopes(x: np.ndarray) -> np.ndarray:
-            return np.array([np.append(-one.sign * model(x)[1][one.place] / one.size, 1.0)
+            return np.array([np.append(-one.sign * one.weights @ model(x)[1] / one.size, 1.0)
                              for one in bounds])  # fmt: skip
 
         slack = max([0.0, *(-one.margin(y) for one in bounds)])
@@ -400,11 +420,11 @@ class Search:
 
         outcomes, slopes = self.at(v), self.slopes(v)
         size = abs(aim.value(outcomes)) or 1.0
-        gradient = aim.slope(outcomes) * slopes[aim.place] / size
+        gradient = aim.slope(outcomes) @ slopes / size
         of_limits, of_keys = np.zeros(len(bounds)), np.zeros(v.size)
         active = [k for k, one in enumerate(bounds) if one.margin(outcomes) < 10.0 * near]
         ends = [k for k in range(v.size) if not near < v[k] < 1.0 - near]
-        columns = [-bounds[k].sign * slopes[bounds[k].place] / bounds[k].size for k in active]
+        columns = [-bounds[k].sign * bounds[k].weights @ slopes / bounds[k].size for k in active]
         columns += [np.eye(v.size)[k] * (1.0 if v[k] < 0.5 else -1.0) for k in ends]
         if columns:
             factors, _ = nnls(np.array(columns).T, gradient)
@@ -472,27 +492,34 @@ def prepare_search(
     table: Design, done: Evaluations
 ) -> tuple[Search, list[Aim], list[Bound], np.ndarray]:
     """Return search, aims, limits, and the coordinates of the start."""
-    outcomes = list[Outcome]()
-
-    def place_of(name: str, at: float | None) -> int:
-        outcome = read_outcome(name, at)
-        if str(outcome) not in map(str, outcomes):
-            outcomes.append(outcome)
-        return [*map(str, outcomes)].index(str(outcome))
-
-    aims = [Aim(place_of(name, table.at)) for name in table.minimise]
-    aims += [Aim(place_of(name, table.at), -1.0) for name in table.maximise]
+    aims = [(name, 1.0) for name in table.minimise] + [(name, -1.0) for name in table.maximise]
+    value = None
     if table.target is not None:
-        aims.append(Aim(place_of(table.target.observe, table.at), 1.0, table.target.value))
-    bounds = [Bound(place_of(one.observe, one.at), one.sign, one.bound) for one in table.limit]
+        aims, value = [(table.target.observe, 1.0)], table.target.value
+    of_aims = [read_outcome(name, table.at) for name, _ in aims]
+    of_limits = [read_outcome(one.observe, one.at) for one in table.limit]
+    outcomes = [*{str(one): one for one in (*of_aims, *of_limits)}.values()]
     start = np.array([start_of(table.scene, one.key, one.start) for one in table.free])
-    keys = [one.key for one in table.free]
+    keys, scenes = [one.key for one in table.free], (table.scene, *table.further)
     try:
-        response = Response.prepare(table.scene, keys, start, outcomes, done)
+        response = Response.prepare(scenes, keys, start, outcomes, done)
     except SceneError as error:
         raise DesignError(fault.under("design") for fault in error.faults) from None
+    # Rows: the outcome of each scene, of the first scene first.
+    place = np.array([[str(one) == str(other) for other in outcomes]
+                      for one in (*of_aims, *of_limits)], float)  # fmt: skip
+    weights = np.array(table.weights or [1.0 / len(scenes)] * len(scenes))
+    mark = ", weighted" * (len(scenes) > 1)
+    goals = [Aim(np.kron(weights, row), sign, value, str(one) + mark)
+             for row, one, (_, sign) in zip(place, of_aims, aims, strict=False)]  # fmt: skip
+    bounds = [
+        Bound(np.kron(of_scene, row), one.sign, one.bound,
+              f"{one} in scene {n + 1}" if mark else str(one))
+        for n, of_scene in enumerate(np.eye(len(scenes)))
+        for row, one in zip(place[len(aims) :], table.limit, strict=True)
+    ]  # fmt: skip
     search = Search(table, response)
-    return search, aims, bounds, search.coordinates(start)
+    return search, goals, bounds, search.coordinates(start)
 
 
 def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -515,9 +542,8 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
     margins = np.array([one.margin(after) for one in bounds])
     status = "done" if converged else "not converged"
     status = "limits not met" if (margins < -0.01).any() else status
-    names = [str(one) for one in search.response.outcomes]
-    notes = [*_describe_gain(aims[0], names, before, after, finer)]
-    notes += _describe_limits(table, names[aims[0].place], margins, of_limits, of_keys, best)
+    notes = [*_describe_gain(aims[0], before, after, finer)]
+    notes += _describe_limits(table, aims[0], bounds, margins, of_limits, of_keys, best)
     others = [v for v, _ in found[1:] if np.abs(v - best).max() > 0.02]
     if others:
         texts = (f"{search.response.keys[k]} = {x:.4g}" for v in others[:1]
@@ -527,6 +553,7 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         notes.append(f"{len(search.failures)} points could not be computed: {search.failures[0]}")
     lower, upper, _ = search.limits
     points, courses = zip(*search.trace.values(), strict=True)
+    outcomes = np.reshape([search.at(v) for v in front], (-1, before.size))
     variables = {
         "input": [*search.response.keys],
         "start": search.point(start),
@@ -534,7 +561,8 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         "lower": lower,
         "upper": upper,
         "key_multiplier": of_keys,
-        "outcome": names,
+        "outcome": [*search.response.names],
+        "aim": [one.name for one in aims],
         "before": before,
         "after": after,
         "finer": finer,
@@ -544,7 +572,8 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         "search_outcome": np.array(courses),
         "further_optima": search_points(search, others),
         "front": search_points(search, front),
-        "front_outcome": np.reshape([search.at(v) for v in front], (-1, len(names))),
+        "front_outcome": outcomes,
+        "front_aim": np.stack([one.total(outcomes) for one in aims], axis=-1),
         "notes": notes,
     }
     text = f"{len(search.trace)} points"
@@ -591,20 +620,20 @@ def _front(search: Search, aims: list[Aim], bounds: list[Bound], best: np.ndarra
     points = [best]
     for share in np.linspace(0.0, 1.0, search.table.front)[1:-1].tolist():
         level = ends[0] + share * (ends[1] - ends[0])
-        more = Bound(second.place, second.sign, second.sign * level)
+        more = Bound(second.weights, second.sign, second.sign * level)
         points.append(search.minimise(first, [*bounds, more], points[-1])[0])
     return np.array([*points, other])
 
 
 def _describe_gain(
-    aim: Aim, names: list[str], before: np.ndarray, after: np.ndarray, finer: np.ndarray
+    aim: Aim, before: np.ndarray, after: np.ndarray, finer: np.ndarray
 ) -> Iterator[str]:
     """Yield the gain of the optimum beside the error of the mesh."""
-    name, old, new = names[aim.place], before[aim.place], after[aim.place]
+    old, new = aim.total(before), aim.total(after)
     gain = new - old
     share = f" ({gain / abs(old):+.2%})" if old else ""
-    yield f"{name} changes from {old:.4g} to {new:.4g}{share}"
-    change = finer[1, aim.place] - finer[0, aim.place]
+    yield f"{aim.name} changes from {old:.4g} to {new:.4g}{share}"
+    change = float(np.diff(aim.total(finer))[0])
     if math.isfinite(change):
         error = abs(change - gain)
         verdict = "is larger than" if abs(gain) > 2.0 * error else "does not clearly exceed"
@@ -613,22 +642,23 @@ def _describe_gain(
 
 def _describe_limits(
     table: Design,
-    name: str,
+    goal: Aim,
+    bounds: list[Bound],
     margins: np.ndarray,
     of_limits: np.ndarray,
     of_keys: np.ndarray,
     best: np.ndarray,
 ) -> Iterator[str]:
     """Yield which limits and bounds are active or not met, and what they cost."""
-    aim = f"the squared distance of {name} from its target" if table.target else name
+    aim = f"the squared distance of {goal.name} from its target" if table.target else goal.name
     sign = -1 if table.maximise and not table.minimise else 1
-    for limit, margin, factor in zip(table.limit, margins, of_limits, strict=True):
+    for limit, margin, factor in zip(bounds, margins, of_limits, strict=True):
         if margin < -0.01:
-            yield f"the limit {limit} is not met: it is exceeded by {-margin:.1%}"
+            yield f"the limit {limit.name} is not met: it is exceeded by {-margin:.1%}"
         elif margin < 0.01:
             change = -sign * limit.sign * factor * math.copysign(1.0, limit.bound)
             cost = f"1 % more of it would change {aim} by {change:+.2g} %"
-            yield f"the limit {limit} is active; {cost}"
+            yield f"the limit {limit.name} is active; {cost}"
     for one, v, factor in zip(table.free, best, of_keys, strict=True):
         if factor > 0.0 and (margins >= -0.01).all():
             end, more = ("upper", 1) if v > 0.5 else ("lower", -1)
@@ -667,6 +697,7 @@ class OptimumResult(QuestionResult):
         "upper": ("input", "1", "upper bounds"),
         "key_multiplier": ("input", "1", "gain by the bound of a key, relative"),
         "outcome": ("outcome", "", "outcomes"),
+        "aim": ("aim", "", "aims"),
         "before": ("outcome", "1", "outcomes at the start"),
         "after": ("outcome", "1", "outcomes at the optimum"),
         "finer": ("end outcome", "1", "outcomes of both on a finer mesh"),
@@ -677,6 +708,7 @@ class OptimumResult(QuestionResult):
         "further_optima": ("optimum input", "1", "keys of further optima"),
         "front": ("point input", "1", "keys of the front"),
         "front_outcome": ("point outcome", "1", "outcomes of the front"),
+        "front_aim": ("point aim", "1", "aims of the front"),
         "notes": ("note", "", "notes"),
     }
 
@@ -687,12 +719,16 @@ class OptimumResult(QuestionResult):
         return {key: float(f"{x:.6g}") for key, x in zip(self.keys, values, strict=True)}
 
     @property
-    def scene(self) -> Scene:
-        """The scene of the optimum, with values of six digits."""
+    def scenes(self) -> tuple[Scene, ...]:
+        """The scenes of the optimum, with values of six digits."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            scene = self.design.design.scene
-            return scene.replace(**changes_of(scene, self.values))
+            return tuple(one.replace(**changes_of(one, self.values)) for one in self.design.scenes)
+
+    @property
+    def scene(self) -> Scene:
+        """The first scene of the optimum."""
+        return self.scenes[0]
 
     def tables(self) -> dict[str, list[dict[str, str]]]:
         """Return tables of keys, outcomes and front as rows of text."""
@@ -714,12 +750,14 @@ class OptimumResult(QuestionResult):
         outcomes, table = self.texts("outcome"), self.design.design
         y, bounds = self.numbers("search_outcome"), dict[str, float]()
         for one in table.limit:
-            bounds[str(read_outcome(one.observe, one.at))] = one.bound
-        draw = partial(design_search, dict(zip(outcomes, y.T, strict=True)), bounds,
+            limited = str(read_outcome(one.observe, one.at))
+            bounds |= {label_of(name): one.bound for name in outcomes
+                       if name.partition(", scene")[0] == limited}  # fmt: skip
+        draw = partial(design_search, dict(zip(map(label_of, outcomes), y.T, strict=True)), bounds,
                        title=self.title)  # fmt: skip
         yield Drawing("search", "Outcomes of the search, with their limits.", draw)
-        if len(front := self.numbers("front_outcome")):
-            two = dict(zip(outcomes[:2], front[:, :2].T, strict=True))
+        if len(front := self.numbers("front_aim")):
+            two = dict(zip(map(label_of, self.texts("aim")), front.T, strict=True))
             caption = "Designs that are best in one of both aims for a given value of the other."
             yield Drawing("front", caption, partial(pareto_front, two, title=self.title))
 

@@ -29,6 +29,7 @@ from tractive_sam.fitting.response import (
     Progress,
     QuestionResult,
     Response,
+    label_of,
     open_question,
     run_question,
 )
@@ -261,7 +262,7 @@ def _sampler(document: SpreadDesign, done: Evaluations) -> Sampler:
     centre = np.array([float(one.values(np.zeros(1))[0]) for one in inputs])
     keys = [one.key for one in inputs]
     try:
-        fine = Response.prepare(table.scene, keys, centre, table.outcomes, done)
+        fine = Response.prepare([table.scene], keys, centre, table.outcomes, done)
         coarse = fine
         if table.coarse:
             coarse = fine.on_mesh(partial(on_finer_mesh, refinement=table.coarse), centre)
@@ -428,7 +429,7 @@ def _describe_meshes(
         if math.isfinite(shift) and shift > 0.05 * sd:
             yield f"a finer mesh changes {one} by {shift:.2g}; it scatters by {sd:.2g}: refine it"
     if sampler.two_levels:
-        elements = sampler.coarse.scene.settings()["grid"]["elements"]
+        elements = sampler.coarse.scenes[0].settings()["grid"]["elements"]
         size = " x ".join(map(str, np.atleast_1d(elements)))
         yield f"two levels: samples on {size} elements, and {runs} of them on the mesh of the scene"
 
@@ -531,7 +532,7 @@ class SpreadResult(QuestionResult):
         columns, keys = {name: self.numbers(name) for name in self.variables}, self.keys
         outcomes, draw = self.design.spread.outcomes, partial(partial, title=self.title)
         for k, one in enumerate(outcomes):
-            label, name = one.label, str(one).replace(" ", "-")
+            label, name = label_of(str(one)), str(one).replace(" ", "-")
             bars = {i: np.stack([columns[f"{i}{end}"][k] for end in self.ends])
                     for i in ("first", "total")}  # fmt: skip
             if not np.isfinite(bars["first"]).all():

@@ -10,7 +10,7 @@ import json
 import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -136,11 +136,12 @@ class Outcome:
     def __str__(self) -> str:
         return self.column if math.isnan(self.place) else f"{self.column} at {self.place:g}"
 
-    @property
-    def label(self) -> str:
-        """Name, place and unit, for figures and descriptions."""
-        unit = index_by_name(COLUMNS)[self.column.partition(" ")[0]].unit
-        return format_with_unit(str(self).replace("_", " "), unit)
+
+def label_of(name: str) -> str:
+    """Return the name of an outcome, as "p_max at 5, scene 2", with its unit."""
+    column, _, _ = name.partition(" ")
+    unit = index_by_name(COLUMNS)[column.rstrip(",")].unit
+    return format_with_unit(name.replace("_", " "), unit)
 
 
 def read_outcome(text: str, place: float | None) -> Outcome:
@@ -168,16 +169,16 @@ def read_outcome(text: str, place: float | None) -> Outcome:
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Outcomes of a scene as functions of the values of keys.
+    """Outcomes of scenes as functions of the values of keys.
 
     Attributes
     ----------
-    scene : Scene
-        The scene, with the records that the outcomes need and fixed steps.
+    scenes : tuple of Scene
+        The S scenes, with the records that the outcomes need and fixed steps.
     keys : tuple of str
         Dotted keys that vary.
     outcomes : tuple of Outcome
-        The m numbers.
+        Numbers of each scene: m for all scenes, those of the first scene first.
     done : Evaluations
         Store of all answers.
     """
@@ -185,7 +186,7 @@ class Response:
     groups: ClassVar[int] = 64
     """Groups of contacts that are distributed: enough for all workers, each of several contacts."""
 
-    scene: Scene
+    scenes: tuple[Scene, ...]
     keys: tuple[str, ...]
     outcomes: tuple[Outcome, ...]
     done: Evaluations
@@ -193,7 +194,7 @@ class Response:
     @classmethod
     def prepare(
         cls,
-        scene: Scene,
+        scenes: Sequence[Scene],
         keys: Sequence[str],
         start: np.ndarray,
         outcomes: Sequence[Outcome],
@@ -206,15 +207,30 @@ class Response:
         Raises
         ------
         SceneError
-            If the scene is not valid there, or does not have these outcomes.
+            If a scene is not valid there, or does not have these outcomes.
         """
-        first = cls(scene, tuple(keys), tuple(outcomes), done).scene_at(start)
-        places = list({repr(one.place): one.place for one in outcomes}.values())
-        check_places(first, "at", places)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            changes = {} if is_steady(first) else fix_mesh(first, (), places, done.remember)
-            return cls(scene.replace(**changes), tuple(keys), tuple(outcomes), done)
+        given = cls(tuple(scenes), tuple(keys), tuple(outcomes), done)
+        places, fixed = [*given.places], list[Scene]()
+        for number, scene in enumerate(scenes):
+            first = given.scene_at(start, number)
+            check_places(first, "at", places)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                changes = {} if is_steady(first) else fix_mesh(first, (), places, done.remember)
+                fixed.append(scene.replace(**changes))
+        return replace(given, scenes=tuple(fixed))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all m outcomes."""
+        several = len(self.scenes) > 1
+        return tuple(f"{one}, scene {number + 1}" if several else str(one)
+                     for number in range(len(self.scenes)) for one in self.outcomes)  # fmt: skip
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """Revolutions or distances of the outcomes."""
+        return tuple({repr(one.place): one.place for one in self.outcomes}.values())
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -222,7 +238,7 @@ class Response:
         return tuple(dict.fromkeys(one.column for one in self.outcomes))
 
     def on_mesh(self, change: Callable[[Scene], Scene], start: np.ndarray) -> Response:
-        """Return the response with the number of elements that a function gives a scene.
+        """Return the response with the number of elements that a function gives each scene.
 
         Parameters
         ----------
@@ -233,12 +249,14 @@ class Response:
         """
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            elements = change(self.scene_at(start)).settings()["grid"]["elements"]
-            scene = self.scene.replace(**{"grid.elements": elements})
-        return Response(scene, self.keys, self.outcomes, self.done)
+            meshes = [change(self.scene_at(start, n)).settings()["grid"]["elements"]
+                      for n in range(len(self.scenes))]  # fmt: skip
+            pairs = zip(self.scenes, meshes, strict=True)
+            scenes = tuple(one.replace(**{"grid.elements": mesh}) for one, mesh in pairs)
+        return replace(self, scenes=scenes)
 
-    def scene_at(self, point: np.ndarray) -> Scene:
-        """Return the scene at values of the keys, without tables that no outcome needs.
+    def scene_at(self, point: np.ndarray, number: int = 0) -> Scene:
+        """Return a scene at values of the keys, without tables that no outcome needs.
 
         Raises
         ------
@@ -248,9 +266,10 @@ class Response:
         values = dict(zip(self.keys, np.asarray(point, float).tolist(), strict=True))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            changes = scale_steps(self.scene, changes_of(self.scene, values))
+            scene = self.scenes[number]
+            changes = scale_steps(scene, changes_of(scene, values))
             unworn = all(one.place == 0.0 for one in self.outcomes)
-            return drop_tables(self.scene.replace(**changes), self.columns, unworn)
+            return drop_tables(scene.replace(**changes), self.columns, unworn)
 
     def evaluate(self, points: np.ndarray) -> tuple[np.ndarray, list[str]]:
         """Return the outcomes at points, and why they could not be computed.
@@ -267,23 +286,27 @@ class Response:
         messages : list of str
             Reason for each point; empty if it was computed.
         """
-        cases, messages = {}, [""] * len(points)
+        cases = dict[tuple[int, int], FitCase]()
+        messages = [""] * len(points)
         for k, point in enumerate(points):
             try:
-                cases[k] = self._case(point, k, ())
+                cases |= {(k, n): self._case(point, (k, n)) for n in range(len(self.scenes))}
             except SceneError as error:
                 messages[k] = str(error.faults[0])
-        values = np.full((len(points), len(self.outcomes)), math.nan)
-        for k, answer in self.done.answers(cases).items():
-            values[k], messages[k] = self._read(cases[k], answer)
-        return values, messages
+        values = np.full((len(points), len(self.scenes), len(self.outcomes)), math.nan)
+        for (k, n), answer in self.done.answers(cases).items():
+            values[k, n], message = self._read(cases[k, n], answer)
+            messages[k] = messages[k] or message
+        return values.reshape(len(points), -1), messages
 
-    def _case(self, point: np.ndarray, k: int, derivatives: tuple[str, ...]) -> FitCase:
-        """Return the computation of a point; contacts with equal `k` modulo groups form one."""
-        scene = self.scene_at(point)
-        places = tuple({repr(one.place): one.place for one in self.outcomes}.values())
-        places = (math.nan,) if is_steady(scene) else places
-        return FitCase(scene, self.columns, places, derivatives, (k % self.groups,))
+    def _case(
+        self, point: np.ndarray, seat: tuple[int, int], derivatives: tuple[str, ...] = ()
+    ) -> FitCase:
+        """Return the computation of point k of scene n, the `seat`; similar ones form a group."""
+        k, n = seat
+        scene = self.scene_at(point, n)
+        places = (math.nan,) if is_steady(scene) else self.places
+        return FitCase(scene, self.columns, places, derivatives, (k % self.groups, n))
 
     def _read(self, case: FitCase, answer: Answer) -> tuple[np.ndarray, str]:
         """Return the outcomes of an answer, and why it has none."""
@@ -299,17 +322,20 @@ class Response:
 
     def exact_slopes(self, point: np.ndarray) -> np.ndarray:
         """Return derivatives of the outcomes by the keys, (m, d); nan where none are exact."""
-        slopes = np.full((len(self.outcomes), len(self.keys)), math.nan)
-        scene = self.scene_at(point)
-        known = exact_columns(scene, self.columns, self.keys) if is_steady(scene) else {}
-        if known:
-            case = self._case(point, 0, tuple(known.values()))
-            answer = self.done.answers({0: case})[0]
+        shape = len(self.scenes), len(self.outcomes), len(self.keys)
+        slopes, cases, columns = np.full(shape, math.nan), {}, {}
+        for n in range(len(self.scenes)):
+            scene = self.scene_at(point, n)
+            if is_steady(scene):
+                columns[n] = exact_columns(scene, self.columns, self.keys)
+            if columns.get(n):
+                cases[n] = self._case(point, (0, n), tuple(columns[n].values()))
+        for n, answer in self.done.answers(cases).items():
             for j, key in enumerate(self.keys):
                 for i, one in enumerate(self.outcomes):
-                    name = f"{one.column}/{known.get(key)}"
-                    slopes[i, j] = answer.numbers.get(name, [math.nan])[0]
-        return slopes
+                    name = f"{one.column}/{columns[n].get(key)}"
+                    slopes[n, i, j] = answer.numbers.get(name, [math.nan])[0]
+        return slopes.reshape(-1, len(self.keys))
 
 
 @dataclass(frozen=True, eq=False)
@@ -506,9 +532,8 @@ def run_question(
     for name in ("xarray", "h5netcdf"):
         check_extra(name, kind.kind())
     document = document.fix_files()
-    scene = getattr(document, kind.kind()).scene
-    files = hashes_of([scene])
-    stored = {} if path is None else _read_stored(kind, path, scene, files, overwrite)
+    files = hashes_of(document.scenes)
+    stored = {} if path is None else _read_stored(kind, path, document.scenes, files, overwrite)
     with compute_with(workers, scheduler) as compute:
         done = Evaluations(compute, stored, interval=5.0, progress=progress)
         design = {"design": ((), document.to_toml(), "1", "the file of the question")}
@@ -536,18 +561,23 @@ def run_question(
 
 
 def _read_stored(
-    kind: type[Result], path: Any, scene: Scene, files: Mapping[str, str], overwrite: bool
+    kind: type[Result],
+    path: Any,
+    scenes: tuple[Scene, ...],
+    files: Mapping[str, str],
+    overwrite: bool,
 ) -> dict[str, Answer]:
     """Return the answers in a file by digest; {} if it is missing or of another version."""
     if not Path(path).exists():
         return {}
     before = open_question(path, kind)
     changed = describe_changes(files, json.loads(str(before.dataset.attrs.get("files", "{}"))))
-    of_file = getattr(before.design, kind.kind()).scene
-    if changed or of_file != scene:
+    of_file = before.design.scenes
+    if changed or of_file != scenes:
         if overwrite:
             return {}
-        different = describe_differences(of_file, scene, free=())
+        different = "; ".join(describe_differences(one, new, free=())
+                              for one, new in zip(of_file, scenes, strict=False))  # fmt: skip
         reason = "; ".join(filter(None, (different, changed and f"{changed} has changed")))
         cure = "-o FILE.nc gives this one another file, --overwrite replaces it"
         raise ResultsError(f"{path} holds the {kind.kind()} of another scene ({reason}); {cure}")
