@@ -205,6 +205,6 @@ if __name__ == "__main__":
     rows = [indices_of(name, n, repeats // 10) for name, n in sizes]
     write("spread_indices", rows)
     show("Sobol indices of other products", rows)
-    rows = bearing((32, 64, 128))
+    rows = bearing((32, 64))
     write("spread_bearing", rows)
     show("Life of a roller", rows)

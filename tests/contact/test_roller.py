@@ -190,6 +190,19 @@ def test_derivatives_at_the_tilt_of_a_moment():
         ({}, {}, {}, "body.A.profile.form"),
         ("no-such-file.csv", {}, {}, "body.A.profile.file"),
         ({"form": "crowned"}, {}, {}, "body.A.profile.radius"),
+        ({"form": "series"}, {}, {}, "body.A.profile.coefficients"),
+        (
+            {"form": "series", "coefficients": [0.1], "basis": "sine"},
+            {},
+            {},
+            "body.A.profile.basis",
+        ),
+        (
+            {"form": "crowned", "drop": 0.1, "coefficients": [0.1]},
+            {},
+            {},
+            "body.A.profile.coefficients",
+        ),
         ({"form": "crowned", "radius": 1e3, "drop": 0.1}, {}, {}, "body.A.profile.radius"),
         ({"form": "crowned", "radius": -1e3}, {}, {}, "body.A.profile.radius"),
         ({"form": "crowned", "radius": 1e3, "load": 1.0}, {}, {}, "body.A.profile.load"),
@@ -223,3 +236,24 @@ def test_a_gap_and_a_profile_are_alternatives():
     with pytest.raises(ts.SceneError) as error:
         roller(gap=gap)
     assert "gap" in [fault.key for fault in error.value.faults]
+
+
+def test_a_series_has_the_profiles_of_the_closed_forms():
+    y = np.linspace(-5.999, 5.999, 101)
+    s = y / 6.0
+    lundberg = ts.RollerProfile(form="logarithmic").depth_at(y, WIDTH, 0.002)
+    series = ts.RollerProfile(form="series", coefficients=[0.002])
+    assert series.depth_at(y, WIDTH, 0.0) == pytest.approx(lundberg, rel=1e-9)  # rounding
+    crown = ts.RollerProfile(form="crowned", drop=0.01).depth_at(y, WIDTH, 0.0)
+    polynomial = ts.RollerProfile(form="series", basis="polynomial", coefficients=[0.01, 0.0])
+    assert polynomial.depth_at(y, WIDTH, 0.0) == pytest.approx(crown, rel=1e-12)
+    mixed = ts.RollerProfile(form="series", coefficients=[0.002, 0.003, 0.004])
+    expected = -0.002 * np.log1p(-(s**2)) + 0.003 * s**2 + 0.004 * s**4
+    assert mixed.depth_at(y, WIDTH, 0.0) == pytest.approx(expected, rel=1e-12)
+    # A parabola is a spline: its factors are the means of products of two of three knots.
+    n = 5
+    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, n), [1.0] * 3])
+    a, b, c = (knots[k : k + n + 2] for k in (1, 2, 3))
+    factors = ((a * b + b * c + a * c) / 3.0)[2:]
+    spline = ts.RollerProfile(form="series", basis="spline", coefficients=factors.tolist())
+    assert spline.depth_at(y, WIDTH, 0.0) == pytest.approx(s**2, abs=1e-12)

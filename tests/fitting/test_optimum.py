@@ -270,6 +270,56 @@ def test_commands_compute_explain_show_draw_and_report(scene, tmp_path, monkeypa
     assert runner.invoke(app, ["design", "d.toml", "-o", "d.h5"]).exit_code == 2
 
 
+def test_the_coefficient_of_a_free_profile_is_that_of_lundberg():
+    """The most even pressure along a roller: A = Q / (pi L E*) of A ln 1/(1 - (2 y / L)^2).
+
+    The aim is the pressure above which 5 % of the load is carried, as bodies that are half-spaces
+    beyond the ends of the roller have a peak there.
+    """
+    load, width, modulus = 8e3, 12.0, 208e3 / 2.0 / (1.0 - 0.3**2)
+    exact = load / (np.pi * width * modulus)
+    steel = {"young": 208e3, "poisson": 0.3, "radius_y": float("inf")}
+    profile = {"form": "series", "coefficients": [1.3 * exact]}
+    scene = ts.Scene(
+        body={"A": steel | {"radius_x": 6.0, "width": width, "profile": profile},
+              "B": steel | {"radius_x": 40.0}},
+        load={"normal": load}, grid={"elements": [31, 201]},
+    )  # fmt: skip
+    key = {"key": "body.A.profile.coefficients[0]", "lower": 0.5 * exact, "upper": 2.0 * exact}
+    table = {"scene": scene, "minimise": "p_95", "free": [key], "mesh_check": False}
+    found = ts.design(table | {"tolerance": 1e-6})
+    # Lundberg's coefficient is for a vanishing width of the contact; differences on the mesh
+    assert found.values[key["key"]] == pytest.approx(exact, rel=0.02)
+
+
+def test_the_load_of_a_line_contact_has_the_width_of_its_pressure():
+    """p0 = E* a / (2 R): the half width of a line contact with a stated peak pressure."""
+    scene = ts.Scene.builtin("cylinders").replace(subsurface=None)
+    key = {"key": "load.normal", "lower": 100.0, "upper": 2000.0}
+    target = {"observe": "p_max", "value": 800.0}
+    found = ts.design({"scene": scene, "target": target, "free": [key], "tolerance": 1e-8})
+    modulus, radius = 208e3 / 2.0 / (1.0 - 0.3**2), 25.0
+    width = 2.0 * radius * 800.0 / modulus
+    assert found.values["load.normal"] == pytest.approx(0.5 * np.pi * width * 800.0, rel=0.01)
+    assert ts.solve(found.scene).half_width_x == pytest.approx(width, rel=0.03)  # an element
+
+
+def test_the_creepage_of_the_largest_traction_has_no_slope():
+    """Under a falling law, traction rises with creepage before it falls."""
+    law = {"law": "exponential", "static": 0.33, "kinetic": 0.14, "half_speed": 100.0}
+    scene = ts.Scene.builtin("cylinders").replace(subsurface=None, friction=law,
+                                                  **{"creepage.speed": 20e3})  # fmt: skip
+    key = {"key": "creepage.longitudinal", "lower": -0.02, "upper": -3e-4}
+    found = ts.design({"scene": scene, "maximise": "Qx", "free": [key], "mesh_check": False,
+                       "tolerance": 1e-6})  # fmt: skip
+    best = found.values["creepage.longitudinal"]
+    assert -0.019 < best < -1e-3
+    steps = np.array([0.9, 1.0, 1.1])
+    forces = [ts.solve(scene.replace(**{"creepage.longitudinal": best * one})).Qx for one in steps]
+    change = (forces[2] - forces[0]) / (forces[1] * 0.2)
+    assert abs(change) < 0.01  # d ln Q / d ln xi, differences
+
+
 @pytest.fixture(scope="module")
 def duty(scene):
     """A lighter and a heavier load on the same spheres in full slip."""

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from tractive_sam.fitting import case, percentiles
 from tractive_sam.fitting.distributions import Input, Uncertain
 from tractive_sam.fitting.fit_file import write_fit
 from tractive_sam.store import ResultsError, write_netcdf
+from tractive_sam.studies import SchedulerLostError, cluster
 
 KEYS = ("load.normal", "friction.mu", "creepage.spin")
 
@@ -554,3 +556,30 @@ def test_the_command_computes_and_explains(slipping, tmp_path, monkeypatch):
     assert done.exit_code == 0, done.output
     assert "linear estimate" in done.output
     assert ts.open_spread("s.nc").finished
+
+
+@pytest.mark.slow
+def test_workers_of_a_scheduler_compute_the_same(slipping, tmp_path, monkeypatch):
+    """A spread and a design, on a scheduler with one worker on this machine."""
+    monkeypatch.setattr(case, "InWorkers", partial(case.InWorkers, worthwhile=0.0))
+    free = [{"key": "load.normal", "lower": 0.3, "upper": 1.0}]
+    table = {"scene": slipping, "minimise": "p_max", "free": free, "mesh_check": False}
+    with cluster.local_cluster(1, encrypted=False) as (address, _):
+        found = ts.spread(design_of(slipping), tmp_path / "s.nc", scheduler=address)
+        best = ts.design(table, tmp_path / "d.nc", scheduler=address)
+        spread_file = tmp_path / "s.toml"
+        spread_file.write_text(found.design.to_toml())
+        options = ["-o", str(tmp_path / "c.nc"), "--scheduler", address]
+        told = CliRunner().invoke(app, ["spread", str(spread_file), *options])
+    assert told.exit_code == 0, told.output
+    alone = ts.spread(design_of(slipping))
+    # contacts of one group start from each other, whose order the processes change: tolerance
+    assert found.numbers("sample_outcome") == pytest.approx(
+        alone.numbers("sample_outcome"), rel=1e-6
+    )
+    assert best.values == ts.design(table).values == {"load.normal": 0.3}
+    assert ts.open_spread(tmp_path / "c.nc").numbers("quantile") == pytest.approx(
+        alone.numbers("quantile"), rel=1e-6
+    )
+    with pytest.raises(SchedulerLostError, match=r"127\.0\.0\.1:9"):
+        ts.spread(design_of(slipping, seed=1), scheduler="tcp://127.0.0.1:9")

@@ -23,6 +23,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import ndtri
 
 from tractive_sam.fitting.case import Evaluations, on_finer_mesh
+from tractive_sam.fitting.design import base_of
 from tractive_sam.fitting.distributions import Input, Spread, SpreadDesign, SpreadError
 from tractive_sam.fitting.estimators import Measure, sobol_indices
 from tractive_sam.fitting.response import (
@@ -34,6 +35,7 @@ from tractive_sam.fitting.response import (
     run_question,
 )
 from tractive_sam.plot import Drawing, Variable, percentile_band, scatter_causes, study_samples
+from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 
 
@@ -543,9 +545,16 @@ class SpreadResult(QuestionResult):
             arguments = keys, ends, middle, self.texts("cause"), bars, label
             yield Drawing(f"causes-{name}", f"{one}: {text}.", draw(scatter_causes, *arguments))
             swing = np.nan_to_num(np.abs(ends[1] - ends[0]))
-            x = {keys[j]: Variable(keys[j], columns["sample"][:, j])
-                 for j in np.argsort(-swing)[:2]}  # fmt: skip
-            y = Variable(one.column, columns["sample_outcome"][:, k], label)
+            units = [
+                re.search(
+                    r", ((k?N|M?Pa|mm|m/s|mrad|degrees|K|W|1/mm)[^,;:]*)",
+                    Scene.find_field(base_of(key)).title or "",
+                )
+                for key in keys
+            ]
+            x = {keys[j]: Variable(keys[j], columns["sample"][:, j], unit=unit[1] if unit else "")
+                 for j in np.argsort(-swing)[:2] for unit in [units[j]]}  # fmt: skip
+            y = Variable("", columns["sample_outcome"][:, k], label)
             caption = f"{one} of the samples over the keys with the largest effect."
             yield Drawing(f"samples-{name}", caption, draw(study_samples, x, y))
         for name in dict.fromkeys(one.column for one in outcomes):
@@ -553,7 +562,9 @@ class SpreadResult(QuestionResult):
             places = np.array([outcomes[k].place for k in rows])
             if places.size > 1:
                 curves = columns["percentile"], columns["quantile"][rows]
-                figure = draw(percentile_band, places, *curves, name.replace("_", " "))
+                of_wear = self.design.spread.scene.wear is not None
+                along = "revolution" if of_wear else "distance (mm)"
+                figure = draw(percentile_band, places, *curves, label_of(name), along=along)
                 yield Drawing(f"band-{name.replace(' ', '-')}", f"Percentiles of {name}.", figure)
 
 

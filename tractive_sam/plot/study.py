@@ -684,16 +684,17 @@ def scatter_causes(
     >>> plot.scatter_causes(names, ends, 1.0, names, shares, "wear (mm)")
     <Figure size ...>
     """
-    figure = new_figure(1.7, 0.3 + 0.08 * max(len(keys), len(causes)))
+    figure = new_figure(1.7, 0.38 + 0.08 * max(len(keys), len(causes)))
     left, right = figure.subplots(1, 2)
     order = np.argsort(np.nan_to_num(np.abs(ends[1] - ends[0])))
-    for place, k in enumerate(order):
-        for value, colour in zip(ends[:, k], (LOOK.blue, LOOK.vermillion), strict=True):
-            left.barh(place, value - nominal, left=nominal, color=colour)
-    left.axvline(nominal, color=LOOK.grey, linewidth=0.8)
+    names = "key at 5 %", "key at 95 %"
+    sides = zip(ends[:, order], names, (LOOK.grey, LOOK.green), strict=True)
+    for values, name, colour in sides:
+        left.barh(range(len(keys)), values - nominal, left=nominal, color=colour, label=name)
+    left.axvline(nominal, color=LOOK.vermillion, linewidth=0.8)
     left.set_yticks(range(len(keys)), [keys[k] for k in order])
-    left.set_xlabel(f"{label}, keys at 5 % (blue) and 95 %")
-    left.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+    left.set_title(fill(label, 40), loc="center", fontsize=9)
+    left.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     ranks = np.argsort(np.atleast_2d(list(shares.values())[-1])[0])
     for number, (name, values) in enumerate(shares.items()):
         value, *ends_of_bar = np.atleast_2d(values)[:, ranks]
@@ -704,14 +705,20 @@ def scatter_causes(
         right.barh(places, value, height, xerr=reach, label=name, error_kw={"elinewidth": 0.8})
     right.set_yticks(range(len(causes)), [fill(causes[k], 30) for k in ranks])
     right.set_xlabel("share of the variance")
-    right.legend(loc="lower right")
+    figure.legend(loc="outside lower center", ncols=4)
     set_title(figure, title)
     return figure
 
 
 @apply_style
 def percentile_band(
-    places: np.ndarray, percentiles: np.ndarray, values: np.ndarray, label: str, *, title: str = ""
+    places: np.ndarray,
+    percentiles: np.ndarray,
+    values: np.ndarray,
+    label: str,
+    *,
+    along: str = "revolution",
+    title: str = "",
 ) -> Figure:
     """Draw percentiles of a quantity over revolutions or distances as a band.
 
@@ -725,6 +732,8 @@ def percentile_band(
         Their values.
     label : str
         Label of the quantity, with its unit.
+    along : str
+        Label of the places, with their unit.
     title : str
         Title of the figure.
 
@@ -740,7 +749,8 @@ def percentile_band(
     axes.fill_between(x, rising[:, 0], rising[:, -1], color=LOOK.blue, alpha=0.2, linewidth=0)
     for curve, percent in zip(rising.T, percentiles[across], strict=True):
         axes.plot(x, curve, "o-", markersize=3, label=f"{percent:g} %")
-    axes.set(xlabel="revolution or distance (mm)", ylabel=fill(label, 40))
+    axes.set(xlabel=along, ylabel=fill(label, 40))
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     axes.legend()
     set_title(figure, title)
     return figure
@@ -755,9 +765,9 @@ def design_search(
     Parameters
     ----------
     outcomes : mapping of str to ndarray
-        Values of each outcome at the points in their order, by name; nan: not computed.
+        Values of each outcome at the points in their order, by label; nan: not computed.
     limits : mapping of str to float
-        Limits by the name of their outcome.
+        Limits by the label of their outcome.
     title : str
         Title of the figure.
 
@@ -775,7 +785,7 @@ def design_search(
         if name in limits:
             axes.axhline(limits[name], color=LOOK.vermillion, linestyle="--", label="limit")
             axes.legend()
-        axes.set_ylabel(fill(name.replace("_", " "), 14))
+        axes.set_ylabel(fill(name, 14))
     panels[-1].set_xlabel("point of the search")
     panels[-1].xaxis.set_major_locator(MaxNLocator(6, integer=True, steps=[1, 2, 5, 10]))
     set_title(figure, title)
@@ -789,7 +799,7 @@ def pareto_front(outcomes: Mapping[str, np.ndarray], *, title: str = "") -> Figu
     Parameters
     ----------
     outcomes : mapping of str to ndarray
-        Values of both aims, by name.
+        Values of both aims, by label.
     title : str
         Title of the figure.
 
@@ -802,6 +812,7 @@ def pareto_front(outcomes: Mapping[str, np.ndarray], *, title: str = "") -> Figu
     figure, axes = new_axes(1.0, 0.72)
     (x_name, x), (y_name, y) = outcomes.items()
     axes.plot(x, y, "o-", markersize=4)
-    axes.set(xlabel=x_name.replace("_", " "), ylabel=y_name.replace("_", " "))
+    axes.set(xlabel=x_name, ylabel=y_name)
+    axes.locator_params(nbins=5)
     set_title(figure, title)
     return figure

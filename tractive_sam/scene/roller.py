@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import BSpline
 
 from tractive_sam.schema import (
     Check,
@@ -39,6 +40,7 @@ def _check_form(entries: ValidEntries) -> Iterator[Fault]:
         "logarithmic": {"load", "load_factor", "curved", "drop"},
         "crowned": {"radius", "flat", "drop"},
         "points": {"y", "depth"},
+        "series": {"basis", "coefficients"},
     }
     form = entries["form"]
     for key in sorted(set().union(*keys.values()) - keys[form]):
@@ -47,6 +49,8 @@ def _check_form(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(key, f'with form = "{form}"', f"only with {forms}")
     if form == "crowned" and len(entries.given & {"radius", "drop"}) != 1:
         yield Fault("radius", "neither or both", "one of radius and drop, the depth at the ends")
+    if form == "series" and not entries["coefficients"]:
+        yield Fault("coefficients", "nothing", "a list of numbers, mm")
     if form != "points":
         return
     y, depth = entries["y"] or (), entries["depth"] or ()
@@ -60,7 +64,8 @@ class RollerProfile(Table):
 
     Forms: "logarithmic" is Lundberg's profile, with three parameters by Fujiwara & Kawase (NTN
     Technical Review 75 (2007) 140); "crowned" is a parabola beside a straight middle, also an end
-    relief; "points" are depths that a file or arrays give.
+    relief; "points" are depths that a file or arrays give; "series" is a sum of functions whose
+    coefficients a design or a spread can vary, as body.A.profile.coefficients[0].
 
     Examples
     --------
@@ -72,7 +77,7 @@ class RollerProfile(Table):
     file: FilePath | None = optional(
         'text file with the columns y and depth, mm; the form is then "points"'
     )
-    form: Literal["logarithmic", "crowned", "points"] = entry("form of the profile")
+    form: Literal["logarithmic", "crowned", "points", "series"] = entry("form of the profile")
     load: Positive | None = optional(
         'with "logarithmic": load for which the pressure is even along the roller, N; by default '
         "load.normal when the scene is made"
@@ -93,6 +98,15 @@ class RollerProfile(Table):
     depth: tuple[Real, ...] | None = optional(
         'with "points": depths below the cylinder at these positions, mm',
         "a list of numbers, as many as y",
+    )
+    basis: Literal["logarithmic", "polynomial", "spline"] = entry(
+        'with "series": even functions of s, the position over the half length: ln 1/(1 - s^2), '
+        "s^2, s^4, ...; s^2, s^4, ...; or cubic B-splines on equal intervals with zero slope at "
+        "s = 0",
+        default="logarithmic",
+    )
+    coefficients: tuple[Real, ...] | None = optional(
+        'with "series": factors of these functions, mm', "a list of numbers", max_length=20
     )
     chamfer: NotNegative = entry(
         "length of the chamfers at 45 degrees at both ends, mm, part of body.A.width", default=0.0
@@ -144,12 +158,27 @@ class RollerProfile(Table):
             if self.radius is not None:
                 return beyond**2 / (2.0 * self.radius)
             return (self.drop or 0.0) * (beyond / (half - 0.5 * self.flat)) ** 2
+        if self.form == "series":
+            return self._sum_series(np.minimum(away / half, 1.0 - 1e-6))
         start = (1.0 - self.curved) * half
         last = 1.0 if self.drop is not None else 1.0 - 1e-6
         share = np.clip((away - start) / (half - start), 0.0, last) ** 2
         a = self.load_factor * amplitude
         end = 1.0 if self.drop is None else -math.expm1(-self.drop / a)
         return -a * np.log1p(-end * share)
+
+    def _sum_series(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the sum of the functions of the basis at shares of the half length."""
+        factors = np.array(self.coefficients)
+        if self.basis == "spline":  # two zero factors: depth and slope are zero at s = 0
+            inner = np.linspace(0.0, 1.0, max(factors.size, 2))
+            knots = np.concatenate([[0.0] * 3, inner, [1.0] * 3])
+            factors = np.concatenate([np.zeros(knots.size - 4 - factors.size), factors])
+            return np.asarray(BSpline(knots, factors, 3)(s))
+        powers = [s ** (2 * k) for k in range(1, factors.size + 1)]
+        if self.basis == "logarithmic":
+            powers = [-np.log1p(-(s**2)), *powers[:-1]]
+        return factors @ np.array(powers)
 
 
 def add_roller_gap(tables: Mapping[Any, Any], bodies: Any, load: Any) -> Mapping[Any, Any]:
