@@ -191,7 +191,7 @@ def bearing(samples: tuple[int, ...]) -> list[dict[str, object]]:
         total, high = found.numbers("total")[0], found.numbers("total_high")[0]
         for row, value, end in zip(rows, total, high, strict=False):
             row |= {f"{n}": float(value), f"{n} half": float(end - value)}
-        rows[-1] |= {f"{n}": time.process_time() - began}
+        rows[-1] |= {f"{n}": time.process_time() - began, f"{n} half": math.nan}
     return rows
 
 

@@ -1017,7 +1017,7 @@ def spread_bearing() -> str:
     sizes = [name for name in rows[0] if name.isdigit()]
     lines = []
     for row in rows:
-        cells = [f"{float(row[n]):.3f} ± {float(row[f'{n} half']):.3f}" if row[f"{n} half"]
+        cells = [f"{float(row[n]):.3f} ± {float(row[f'{n} half']):.3f}" if row["key"] != "CPU s"
                  else f"{float(row[n]):.0f}" for n in sizes]  # fmt: skip
         lines.append([f"`{row['key']}`" if "." in row["key"] else row["key"], *cells])
     return format_table(["key", *(f"{n} samples" for n in sizes)], lines)
