@@ -72,7 +72,7 @@ def test_differential_evolution_finds_the_deeper_of_two_valleys():
     search = search_of(lambda x, y: np.array([2.0 + np.sin(3.0 * x) + 0.05 * x + y]))
     start = np.array([0.9, 0.5])
     local, _ = search.minimise(Aim(np.ones(1)), [], start)
-    best, _ = search.minimise(Aim(np.ones(1)), [], search.explore(Aim(np.ones(1)), []))
+    best, _ = search.minimise(Aim(np.ones(1)), [], search.explore(Aim(np.ones(1)), [], 1.0))
     assert search.at(best)[0] < search.at(local)[0] - 0.05
     assert search.point(best)[0] == pytest.approx(1.566, abs=0.01)  # 3 cos 3x = -.05
 

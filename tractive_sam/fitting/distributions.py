@@ -15,7 +15,7 @@ from scipy.special import ndtr
 
 from tractive_sam.fitting.design import Names, Numbers, Parameters, QuestionDocument, start_of
 from tractive_sam.fitting.fit_file import open_fit
-from tractive_sam.fitting.response import Outcome, read_outcome
+from tractive_sam.fitting.response import Outcome, check_observed, read_outcome
 from tractive_sam.scene import Scene
 from tractive_sam.schema import (
     Check,
@@ -264,11 +264,7 @@ class Precision(Table):
 
 def _check_outcomes(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of the observed columns, and of a scene whose mesh is not fixed."""
-    for name in entries["observe"]:
-        try:
-            read_outcome(name, None)
-        except SceneError as error:
-            yield from error.faults
+    yield from check_observed(entries)
     precision = entries["accuracy"]
     if precision is not None and precision.observe not in (None, *entries["observe"]):
         yield Fault("accuracy.observe", shorten(precision.observe), "one of observe")

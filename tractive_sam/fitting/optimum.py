@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, partial
+from itertools import chain
 from os import PathLike
 from typing import Any, ClassVar, Literal
 
@@ -22,11 +23,14 @@ import numpy as np
 from tractive_sam.fitting.case import Evaluations, on_finer_mesh
 from tractive_sam.fitting.design import Names, QuestionDocument, changes_of, start_of
 from tractive_sam.fitting.response import (
+    Outcome,
     Progress,
     QuestionResult,
     Response,
+    check_observed,
     label_of,
     open_question,
+    outcome_faults,
     read_outcome,
     run_question,
 )
@@ -63,12 +67,9 @@ class DesignError(SceneError):
 
 
 def _check_free(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of bounds of a free key, and of a start outside them."""
-    lower, upper, start = entries["lower"], entries["upper"], entries["start"]
-    if not lower < upper:
-        yield Fault("upper", f"{upper:g}", f"above lower, {lower:g}")
-    elif start is not None and not lower <= start <= upper:
-        yield Fault("start", f"{start:g}", f"from lower to upper, {lower:g} to {upper:g}")
+    """Yield a fault of bounds of a free key that do not rise."""
+    if not entries["lower"] < entries["upper"]:
+        yield Fault("upper", f"{entries['upper']:g}", f"above lower, {entries['lower']:g}")
 
 
 class FreeKey(Table):
@@ -88,7 +89,7 @@ class Limit(Table):
     at: Real | None = optional("revolution or distance of the record; by default the last one")
     at_most: Real | None = optional("largest allowed value")
     at_least: Real | None = optional("smallest allowed value")
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("at_most", "at_least"),)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("at_most", "at_least"), check_observed)
 
     @property
     def sign(self) -> float:
@@ -100,9 +101,14 @@ class Limit(Table):
         """The stated value."""
         return float(self.at_most if self.at_least is None else self.at_least)  # type: ignore[arg-type]
 
+    @property
+    def outcome(self) -> Outcome:
+        """The limited number."""
+        return read_outcome(self.observe, self.at)
+
     def __str__(self) -> str:
         text = "at most" if self.at_least is None else "at least"
-        return f"{read_outcome(self.observe, self.at)} {text} {self.bound:g}"
+        return f"{self.outcome} {text} {self.bound:g}"
 
 
 class Target(Table):
@@ -110,23 +116,17 @@ class Target(Table):
 
     observe: str = entry("column of a record", 'a column, of a body as "worn_mass A"')
     value: Real = entry("the wanted value")
+    checks: ClassVar[tuple[Check, ...]] = (check_observed,)
 
 
 def _check_aims(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of aims and limits, of free keys, and of a scene whose mesh is not fixed."""
-    aims = [*entries["minimise"], *entries["maximise"]]
-    target = entries["target"]
-    names = [*aims, *([target.observe] if target else [])]
-    if not 1 <= len(names) <= 2 or (target and aims):
+    aims, target = [*entries["minimise"], *entries["maximise"]], entries["target"]
+    if len(aims) > 2 or bool(target) == bool(aims):
         allowed = "one of minimise, maximise and target, or two aims of the first two"
-        yield Fault("minimise", shorten(names) if names else "no aim", allowed)
-    tables = [("limit", k, one.observe) for k, one in enumerate(entries["limit"])]
-    for key, k, name in [*tables, *(("aim", -1, name) for name in names)]:
-        try:
-            read_outcome(name, None)
-        except SceneError as error:
-            where = f"{key}[{k}]" if k >= 0 else "target" if target else "minimise"
-            yield from (Fault(f"{where}.observe", f.given, f.allowed) for f in error.faults)
+        yield Fault("minimise", shorten(aims) if aims else "no aim", allowed)
+    for fault in chain.from_iterable(map(outcome_faults, aims)):
+        yield Fault("minimise", fault.given, fault.allowed)
     keys = [one.key for one in entries["free"]]
     scenes = (entries["scene"], *entries["further"])
     for k, one in enumerate(entries["free"]):
@@ -206,46 +206,65 @@ class OptimumDesign(QuestionDocument):
 
 
 @dataclass(frozen=True, eq=False)
-class Aim:
-    """Sum to minimise: sign * weights . outcomes, or the square of its distance from a target."""
+class Sum:
+    """Weighted sum of outcomes that is an aim or has a limit.
+
+    Attributes
+    ----------
+    weights : ndarray, shape (m,)
+        Weights of the outcomes.
+    sign : float
+        1 if a fall is better, or -1.
+    goal : float, optional
+        The wanted value of an aim, or a limit.
+    name : str
+        Name of the outcome.
+    """
 
     weights: np.ndarray
     sign: float = 1.0
-    target: float | None = None
+    goal: float | None = None
     name: str = ""
 
     def total(self, outcomes: np.ndarray) -> Any:
         """Return the sum for outcomes of shape (..., m)."""
         return outcomes @ self.weights
 
+
+class Aim(Sum):
+    """Sum to minimise: sign * weights . outcomes, or the square of its distance from a goal."""
+
     def value(self, outcomes: np.ndarray) -> float:
         """Return the number that is minimised."""
         y = float(self.total(outcomes))
-        return self.sign * y if self.target is None else (y - self.target) ** 2
+        return self.sign * y if self.goal is None else (y - self.goal) ** 2
 
     def slope(self, outcomes: np.ndarray) -> np.ndarray:
         """Return its derivatives by the outcomes."""
-        y = float(self.total(outcomes))
-        return self.weights * (self.sign if self.target is None else 2.0 * (y - self.target))
+        change = self.sign if self.goal is None else 2.0 * (self.total(outcomes) - self.goal)
+        return self.weights * change
 
 
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """Limit of a sum of outcomes: sign * (bound - weights . outcomes) >= 0."""
-
-    weights: np.ndarray
-    sign: float
-    bound: float
-    name: str = ""
+class Bound(Sum):
+    """Limit of a sum of outcomes: sign * (goal - weights . outcomes) >= 0."""
 
     def margin(self, outcomes: np.ndarray) -> float:
-        """Return how far the outcome is from its limit, over the limit; negative beyond it."""
-        return self.sign * (self.bound - float(outcomes @ self.weights)) / self.size
+        """Return how far the sum is from its limit, over the limit; negative beyond it."""
+        return self.sign * float((self.goal or 0.0) - self.total(outcomes)) / self.size
 
     @property
     def size(self) -> float:
         """Scale of the limit."""
-        return abs(self.bound) or 1.0
+        return abs(self.goal or 1.0)
+
+
+def find_merit(
+    aim: Aim, bounds: list[Bound], outcomes: np.ndarray, *, scale: float, price: float
+) -> float:
+    """Return the aim over a scale, plus a price times what is beyond the limits; inf if unknown."""
+    beyond = sum(max(-one.margin(outcomes), 0.0) for one in bounds)
+    value = aim.value(outcomes) / scale + price * beyond
+    return value if math.isfinite(value) else math.inf
 
 
 @dataclass(eq=False)
@@ -325,12 +344,7 @@ class Search:
         """
         y, reach = self.at(v), 0.5
         scale = abs(aim.value(y)) or 1.0
-
-        def merit(outcomes: np.ndarray) -> float:
-            beyond = sum(max(-one.margin(outcomes), 0.0) for one in bounds)
-            value = aim.value(outcomes) / scale + price * beyond
-            return value if math.isfinite(value) else math.inf
-
+        merit = partial(find_merit, aim, bounds, scale=scale, price=price)
         slopes = self.slopes(v)
         for _ in range(self.table.iterations):
             new = self._next(aim, bounds, v, y, slopes, (reach, scale, price))
@@ -387,20 +401,19 @@ class Search:
         )  # fmt: skip
         return np.clip(v + found.x[:-1], 0.0, 1.0)
 
-    def explore(self, aim: Aim, bounds: list[Bound]) -> np.ndarray:
+    def explore(self, aim: Aim, bounds: list[Bound], scale: float) -> np.ndarray:
         """Return the best point of differential evolution, whose generations are computed at once.
 
-        R. Storn and K. Price, J. Global Optim. 11 (1997) 341-359; limits as penalties.
+        The aim is of the size of `scale`; limits are penalties. R. Storn and K. Price, J. Global
+        Optim. 11 (1997) 341-359.
         """
         from scipy.optimize import differential_evolution  # noqa: PLC0415 - as above
 
         def cost(v: np.ndarray) -> np.ndarray:
             outcomes = self.outcomes(np.atleast_2d(v.T))
-            values = np.array([aim.value(one) for one in outcomes])
-            beyond = [sum(max(-one.margin(y), 0.0) for one in bounds) for y in outcomes]
-            size = np.nanmedian(np.abs(values)) or 1.0
-            return np.nan_to_num(values + 1e3 * size * np.array(beyond), nan=1e6 * size)
+            return np.array([min(merit(one), 1e9) for one in outcomes])
 
+        merit = partial(find_merit, aim, bounds, scale=scale, price=1e3)
         d = len(self.table.free)
         found = differential_evolution(
             cost, [(0.0, 1.0)] * d, rng=np.random.default_rng(self.table.seed), vectorized=True,
@@ -492,12 +505,11 @@ def prepare_search(
     table: Design, done: Evaluations
 ) -> tuple[Search, list[Aim], list[Bound], np.ndarray]:
     """Return search, aims, limits, and the coordinates of the start."""
-    aims = [(name, 1.0) for name in table.minimise] + [(name, -1.0) for name in table.maximise]
-    value = None
-    if table.target is not None:
-        aims, value = [(table.target.observe, 1.0)], table.target.value
-    of_aims = [read_outcome(name, table.at) for name, _ in aims]
-    of_limits = [read_outcome(one.observe, one.at) for one in table.limit]
+    aims: list[tuple[str, float, float | None]] = [(name, 1.0, None) for name in table.minimise]
+    aims += [(name, -1.0, None) for name in table.maximise]
+    aims += [(one.observe, 1.0, one.value) for one in (table.target,) if one]
+    of_aims = [read_outcome(name, table.at) for name, *_ in aims]
+    of_limits = [one.outcome for one in table.limit]
     outcomes = [*{str(one): one for one in (*of_aims, *of_limits)}.values()]
     start = np.array([start_of(table.scene, one.key, one.start) for one in table.free])
     keys, scenes = [one.key for one in table.free], (table.scene, *table.further)
@@ -510,8 +522,8 @@ def prepare_search(
                       for one in (*of_aims, *of_limits)], float)  # fmt: skip
     weights = np.array(table.weights or [1.0 / len(scenes)] * len(scenes))
     mark = ", weighted" * (len(scenes) > 1)
-    goals = [Aim(np.kron(weights, row), sign, value, str(one) + mark)
-             for row, one, (_, sign) in zip(place, of_aims, aims, strict=False)]  # fmt: skip
+    goals = [Aim(np.kron(weights, row), sign, goal, str(one) + mark)
+             for row, one, (_, sign, goal) in zip(place, of_aims, aims, strict=False)]  # fmt: skip
     bounds = [
         Bound(np.kron(of_scene, row), one.sign, one.bound,
               f"{one} in scene {n + 1}" if mark else str(one))
@@ -540,8 +552,6 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         response = search.response.on_mesh(on_finer_mesh, search.point(start))
         finer = response.evaluate(np.stack([search.point(start), search.point(best)]))[0]
     margins = np.array([one.margin(after) for one in bounds])
-    status = "done" if converged else "not converged"
-    status = "limits not met" if (margins < -0.01).any() else status
     notes = [*_describe_gain(aims[0], before, after, finer)]
     notes += _describe_limits(table, aims[0], bounds, margins, of_limits, of_keys, best)
     others = [v for v, _ in found[1:] if np.abs(v - best).max() > 0.02]
@@ -551,15 +561,18 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         notes.append(f"{len(others)} further optima: {', '.join(texts)}, see further_optima")
     if search.failures:
         notes.append(f"{len(search.failures)} points could not be computed: {search.failures[0]}")
-    lower, upper, _ = search.limits
+
+    def values(coordinates: Iterable[np.ndarray]) -> np.ndarray:
+        return np.reshape([search.point(v) for v in coordinates], (-1, start.size))
+
     points, courses = zip(*search.trace.values(), strict=True)
     outcomes = np.reshape([search.at(v) for v in front], (-1, before.size))
     variables = {
         "input": [*search.response.keys],
         "start": search.point(start),
         "value": search.point(best),
-        "lower": lower,
-        "upper": upper,
+        "lower": search.limits[0],
+        "upper": search.limits[1],
         "key_multiplier": of_keys,
         "outcome": [*search.response.names],
         "aim": [one.name for one in aims],
@@ -568,21 +581,17 @@ def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, Any],
         "finer": finer,
         "margin": margins,
         "multiplier": of_limits,
-        "search": search_points(search, points),
+        "search": values(points),
         "search_outcome": np.array(courses),
-        "further_optima": search_points(search, others),
-        "front": search_points(search, front),
+        "further_optima": values(others),
+        "front": values(front),
         "front_outcome": outcomes,
         "front_aim": np.stack([one.total(outcomes) for one in aims], axis=-1),
         "notes": notes,
     }
-    text = f"{len(search.trace)} points"
-    return variables, {"status": status, "message": text}
-
-
-def search_points(search: Search, coordinates: Any) -> np.ndarray:
-    """Return the values of the keys at coordinates, shape (n, d), also for n = 0."""
-    return np.reshape([search.point(v) for v in coordinates], (-1, len(search.table.free)))
+    return variables, {"status": "limits not met" if min(margins, default=0.0) < -0.01
+                       else "done" if converged else "not converged",
+                       "message": f"{len(search.trace)} points"}  # fmt: skip
 
 
 def _search_from_starts(
@@ -593,19 +602,15 @@ def _search_from_starts(
 
     table, starts = search.table, [start]
     if table.search == "global":
-        starts.append(search.explore(aim, bounds))
+        starts.append(search.explore(aim, bounds, abs(aim.value(search.at(start))) or 1.0))
     if table.starts > 1:
         points = qmc.Halton(start.size, rng=np.random.default_rng(table.seed))
         starts += [*points.random(table.starts - 1)]
     known = [v for v in starts if np.isfinite(search.at(v)).all()]
     found = [search.minimise(aim, bounds, v) for v in known]
-
-    def rank(result: tuple[np.ndarray, bool]) -> tuple[float, float]:
-        outcomes = search.at(result[0])
-        beyond = sum(max(-one.margin(outcomes) - 0.01, 0.0) for one in bounds)
-        return beyond, aim.value(outcomes)
-
-    return sorted(found, key=rank)
+    scale = abs(aim.value(search.at(start))) or 1.0
+    return sorted(found, key=lambda one: find_merit(aim, bounds, search.at(one[0]), scale=scale,
+                                                    price=1e3))  # fmt: skip
 
 
 def _front(search: Search, aims: list[Aim], bounds: list[Bound], best: np.ndarray) -> np.ndarray:
@@ -616,10 +621,9 @@ def _front(search: Search, aims: list[Aim], bounds: list[Bound], best: np.ndarra
     """
     first, second = aims
     other, _ = search.minimise(second, bounds, best)
-    ends = [second.value(search.at(v)) for v in (best, other)]
+    first_end, last_end = (second.value(search.at(v)) for v in (best, other))
     points = [best]
-    for share in np.linspace(0.0, 1.0, search.table.front)[1:-1].tolist():
-        level = ends[0] + share * (ends[1] - ends[0])
+    for level in np.linspace(first_end, last_end, search.table.front)[1:-1].tolist():
         more = Bound(second.weights, second.sign, second.sign * level)
         points.append(search.minimise(first, [*bounds, more], points[-1])[0])
     return np.array([*points, other])
@@ -629,14 +633,12 @@ def _describe_gain(
     aim: Aim, before: np.ndarray, after: np.ndarray, finer: np.ndarray
 ) -> Iterator[str]:
     """Yield the gain of the optimum beside the error of the mesh."""
-    old, new = aim.total(before), aim.total(after)
-    gain = new - old
+    old, gain = aim.total(before), aim.total(after - before)
     share = f" ({gain / abs(old):+.2%})" if old else ""
-    yield f"{aim.name} changes from {old:.4g} to {new:.4g}{share}"
+    yield f"{aim.name} changes from {old:.4g} to {old + gain:.4g}{share}"
     change = float(np.diff(aim.total(finer))[0])
     if math.isfinite(change):
-        error = abs(change - gain)
-        verdict = "is larger than" if abs(gain) > 2.0 * error else "does not clearly exceed"
+        verdict = "is larger than" if abs(gain / 2.0) > abs(change - gain) else "hardly exceeds"
         yield f"this gain {verdict} the error of the mesh: on a finer mesh, it is {change:.3g}"
 
 
@@ -651,12 +653,12 @@ def _describe_limits(
 ) -> Iterator[str]:
     """Yield which limits and bounds are active or not met, and what they cost."""
     aim = f"the squared distance of {goal.name} from its target" if table.target else goal.name
-    sign = -1 if table.maximise and not table.minimise else 1
+    sign = int(goal.sign)
     for limit, margin, factor in zip(bounds, margins, of_limits, strict=True):
         if margin < -0.01:
             yield f"the limit {limit.name} is not met: it is exceeded by {-margin:.1%}"
         elif margin < 0.01:
-            change = -sign * limit.sign * factor * math.copysign(1.0, limit.bound)
+            change = -sign * limit.sign * factor * math.copysign(1.0, limit.goal or 0.0)
             cost = f"1 % more of it would change {aim} by {change:+.2g} %"
             yield f"the limit {limit.name} is active; {cost}"
     for one, v, factor in zip(table.free, best, of_keys, strict=True):
@@ -748,11 +750,9 @@ class OptimumResult(QuestionResult):
     def drawings(self) -> Iterator[Drawing]:
         """Yield the history of the search, and the front of two aims."""
         outcomes, table = self.texts("outcome"), self.design.design
-        y, bounds = self.numbers("search_outcome"), dict[str, float]()
-        for one in table.limit:
-            limited = str(read_outcome(one.observe, one.at))
-            bounds |= {label_of(name): one.bound for name in outcomes
-                       if name.partition(", scene")[0] == limited}  # fmt: skip
+        y = self.numbers("search_outcome")
+        bounds = {label_of(name): one.bound for one in table.limit for name in outcomes
+                  if name.partition(", scene")[0] == str(one.outcome)}  # fmt: skip
         draw = partial(design_search, dict(zip(map(label_of, outcomes), y.T, strict=True)), bounds,
                        title=self.title)  # fmt: skip
         yield Drawing("search", "Outcomes of the search, with their limits.", draw)

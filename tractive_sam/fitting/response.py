@@ -46,7 +46,7 @@ from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.run import describe_differences
 from tractive_sam.safe_text import Html, as_html, fill
 from tractive_sam.scene import Scene, describe_changes, hashes_of
-from tractive_sam.schema import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError, ValidEntries
 from tractive_sam.store import DamagedError, ResultsError, read_netcdf, versions, write_netcdf
 
 
@@ -144,14 +144,15 @@ def label_of(name: str) -> str:
     return format_with_unit(name.replace("_", " "), unit)
 
 
-def read_outcome(text: str, place: float | None) -> Outcome:
-    """Return the outcome that a text names, as "worn_mass A", at a place; nan is the last record.
+def check_observed(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of the columns that a table observes."""
+    observed = entries["observe"]
+    for text in [observed] if isinstance(observed, str) else observed:
+        yield from outcome_faults(text)
 
-    Raises
-    ------
-    SceneError
-        If there is no such column, or it is no number of a record.
-    """
+
+def outcome_faults(text: str) -> Iterator[Fault]:
+    """Yield faults of a text that names no number of a record, as "worn_mass A"."""
     name, _, body = text.partition(" ")
     faults = [*observation_faults(name, body or None)]
     if body not in ("", "A", "B"):
@@ -160,10 +161,14 @@ def read_outcome(text: str, place: float | None) -> Outcome:
         faults.append(Fault("observe", text, f"{name} without a body"))
     elif not faults and is_profile(name):
         faults.append(Fault("observe", text, "a number of a record"))
-    if faults:
+    for fault in faults:
         cure = f'the column of a body, as "{name} A"'
-        raise SceneError(Fault("observe", text, cure) if fault.key == "body" else fault
-                         for fault in faults)  # fmt: skip
+        yield Fault("observe", text, cure) if fault.key == "body" else fault
+
+
+def read_outcome(text: str, place: float | None) -> Outcome:
+    """Return the outcome that a valid text names, at a place; None: the last record."""
+    name, _, body = text.partition(" ")
     return Outcome(column_of(name, body or None), math.nan if place is None else place)
 
 
