@@ -570,16 +570,16 @@ def test_workers_of_a_scheduler_compute_the_same(slipping, tmp_path, monkeypatch
         spread_file = tmp_path / "s.toml"
         spread_file.write_text(found.design.to_toml())
         options = ["-o", str(tmp_path / "c.nc"), "--scheduler", address]
-        told = CliRunner().invoke(app, ["spread", str(spread_file), *options])
-    assert told.exit_code == 0, told.output
-    alone = ts.spread(design_of(slipping))
+        outcome = CliRunner().invoke(app, ["spread", str(spread_file), *options])
+    assert outcome.exit_code == 0, outcome.output
+    serial = ts.spread(design_of(slipping))
     # contacts of one group start from each other, whose order the processes change: tolerance
     assert found.numbers("sample_outcome") == pytest.approx(
-        alone.numbers("sample_outcome"), rel=1e-6
+        serial.numbers("sample_outcome"), rel=1e-6
     )
     assert best.values == ts.design(table).values == {"load.normal": 0.3}
     assert ts.open_spread(tmp_path / "c.nc").numbers("quantile") == pytest.approx(
-        alone.numbers("quantile"), rel=1e-6
+        serial.numbers("quantile"), rel=1e-6
     )
     with pytest.raises(SchedulerLostError, match=r"127\.0\.0\.1:9"):
         ts.spread(design_of(slipping, seed=1), scheduler="tcp://127.0.0.1:9")
