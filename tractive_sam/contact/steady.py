@@ -22,7 +22,7 @@ from tractive_sam.contact.heat import solve_with_heat
 from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import not_resolved, solve_problem, state_of, traction_of
-from tractive_sam.mechanics import RelaxingHalfSpaces
+from tractive_sam.mechanics import RelaxingBody, RelaxingHalfSpaces
 from tractive_sam.operators import Operators
 from tractive_sam.rail import Patch
 from tractive_sam.results import Cost, State, Status
@@ -530,27 +530,32 @@ def _bulk_dissipation(model: Model, fields: np.ndarray) -> dict[str, float]:
     It is that of dimensionless pressure and tractions, shape (3, n_x, n_y), on the displacements by
     the memory of the body; see `_rolling_resistance`.
     """
-    work: dict[str, float] = {}
-    units = model.units
-    law = getattr(model.elasticity, "bodies", model.elasticity)
+    law, units = getattr(model.elasticity, "bodies", model.elasticity), model.units
     if not isinstance(law, RelaxingHalfSpaces):
         return {}
-    for body, other in ("AB", "BA"):
-        elastic = getattr(getattr(law, other), "body", getattr(law, other))
-        memory = Operators(
-            model.operators.lattice,
-            replace(law, **{other: elastic}),
-            units.gap / units.pressure,
-            units.slip / units.pressure,
-            model.frame,
-        )
-        if memory.elasticity.coupled:
-            moved = memory.coupled_displacement(fields)
+
+    def dissipate(operators: Operators) -> float:
+        if operators.elasticity.coupled:
+            moved = operators.coupled_displacement(fields)
         else:
-            moved = np.concatenate((memory.normal(fields[:1]), memory.tangential(fields[1:])))
+            moved = np.zeros_like(fields)
+            moved[:1] = operators.normal(fields[:1])
+            if fields[1:].any():
+                moved[1:] = operators.tangential(fields[1:])
         scale = np.array((units.gap / model.grid.dx, units.slip, units.slip))[:, None, None]
         total = float((fields * scale * np.gradient(moved, axis=1)).sum())
-        work[body] = 0.0 - units.pressure * model.grid.element_area * total
+        return 0.0 - units.pressure * model.grid.element_area * total
+
+    bodies = {"A": law.A, "B": law.B}
+    relaxing = [name for name, body in bodies.items() if isinstance(body, RelaxingBody)]
+    if len(relaxing) == 1 or law.A == law.B:
+        each = dissipate(model.operators) / len(relaxing)
+        return {name: each if name in relaxing else 0.0 for name in bodies}
+    scales = units.gap / units.pressure, units.slip / units.pressure, model.frame
+    work = {}
+    for name, other in ("AB", "BA"):
+        single = replace(law, **{other: bodies[other].body})
+        work[name] = dissipate(Operators(model.operators.lattice, single, *scales))
     return work
 
 

@@ -317,7 +317,7 @@ class _Iteration:
         return self._minimise_along(direction)
 
     def close(self, active: np.ndarray, goal: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
-        """Close the gap of active elements by GMRES; return pressure, also of tension, and gap.
+        """Close the gap of active elements; return the pressure, also of tension, and the gap.
 
         The iteration then has this pressure without tension.
 
@@ -335,33 +335,24 @@ class _Iteration:
         self._active = active
         if np.any(self.pressure[~active]) or (self.under_load and not self.pressure.any()):
             self._set_pressure(np.where(active, self.pressure, 0.0))
-        shape, total, count = self.gap.shape, self.lattice.sum, self.lattice.sum(1.0 * active)
         if self.under_load:
-            self._response = self._precondition(np.ones(shape))
-
-        def rows(gap: np.ndarray) -> np.ndarray:
-            mean = total(np.where(active, gap, 0.0)) / count if self.under_load else 0.0
-            return np.where(active, gap - mean, 0.0).ravel()
-
-        def precondition(row: np.ndarray) -> np.ndarray:
-            step = self._precondition(row.reshape(shape))
-            return (self._without_load(step) if self.under_load else step).ravel()
-
-        missed = -rows(self._lift + self.problem.gap - self.approach)
-        step, _ = gmres(
-            lambda row: rows(self._apply(row.reshape(shape))), precondition, missed, goal, steps
-        )
-        raw = self.pressure + step.reshape(shape)
+            self._response = self._precondition(np.ones(active.shape))
+        step, lift = conjugate_residuals(_Closing(self), goal, steps)
+        raw = self.pressure + step.reshape(active.shape)
         self.pressure = raw
-        self._set_lift(self._apply(raw))
-        gap = self.gap
+        self._set_lift(self._lift + lift)
         if self.under_load:
-            mean = total(np.where(active, gap, 0.0)) / count
-            gap, self.approach = gap - mean, self.approach + mean
-            self.gap = gap
+            missed = self.mean(self.gap)
+            self.gap, self.approach = self.gap - missed, self.approach + missed
+        gap = self.gap
         if raw.min() < 0.0:
             self._set_pressure(np.maximum(raw, 0.0))
         return raw, gap
+
+    def mean(self, gap: np.ndarray) -> float:
+        """Return the mean of a gap over the active elements."""
+        weights = 1.0 * self._active
+        return self.lattice.sum(gap * weights) / self.lattice.sum(weights)
 
     def _minimise_along(self, direction: np.ndarray) -> bool:
         """Minimise along a direction, without tension; return False if that has no curvature."""
@@ -394,6 +385,38 @@ class _Iteration:
         """Return a step of the pressure without the part that changes the load."""
         total = self.lattice.sum
         return step - self._response * (total(step) / total(self._response))
+
+
+class _Closing:
+    """Linear system for the change of pressure that closes the gap of the active elements.
+
+    Under a load the gap is that less its mean, and the change has no load.
+    """
+
+    def __init__(self, at: _Iteration):
+        self._at, self.shape = at, at.gap.shape
+
+    def _rows(self, gap: np.ndarray) -> np.ndarray:
+        """Return the gap of the active elements, less its mean under a load."""
+        at = self._at
+        return np.where(at._active, gap - (at.mean(gap) if at.under_load else 0.0), 0.0).ravel()
+
+    def right_hand_side(self) -> np.ndarray:
+        """Return the negative gap."""
+        return -self._rows(self._at.gap)
+
+    def preconditioner(self, vector: np.ndarray) -> np.ndarray:
+        """Return the approximate change of pressure that causes a gap."""
+        step = self._at._precondition(vector.reshape(self.shape))
+        return (self._at._without_load(step) if self._at.under_load else step).ravel()
+
+    def response(self, vector: np.ndarray) -> np.ndarray:
+        """Return the displacement of all elements by a change of pressure."""
+        return self._at._apply(vector.reshape(self.shape))
+
+    def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
+        """Return the change of the gap of the active elements."""
+        return self._rows(response)
 
 
 class _Search(NamedTuple):
@@ -444,7 +467,7 @@ class ActiveSets:
                 break
             if taken == self.steps:
                 break
-            raw, gap = at.close(active, max(min(0.03, residual), 0.1 * tolerance), self.krylov)
+            raw, gap = at.close(active, max(0.1, 0.3 * tolerance / residual), self.krylov)
             wrong = np.where(active, raw, gap)  # of active elements that pull, others that overlap
             count = int(np.count_nonzero(wrong < 0.0))
             since = 0 if count < fewest else since + 1
