@@ -53,6 +53,54 @@ def layered_cylinders() -> str:
     return format_columns(read_rows("layers_line.csv"), columns)
 
 
+def relaxing_cylinders() -> str:
+    """Return errors of cylinders that relax, for each mesh."""
+    columns = {
+        "$f$": ("f", str),
+        r"$V\tau/a$": ("V tau/a", str),
+        "elements": ("elements", str),
+        "half width": ("half width", number(".1e")),
+        "peak pressure": ("pressure", number(".1e")),
+        "moment": ("moment", number(".1e")),
+    }
+    return format_columns(read_rows("relaxation_line.csv"), columns)
+
+
+def relaxing_spheres() -> str:
+    """Return errors of spheres that relax, for each mesh."""
+    columns = {
+        "$f$": ("f", str),
+        r"$V\tau/a$": ("V tau/a", str),
+        "elements": ("elements", str),
+        "peak pressure": ("pressure", number(".1e")),
+        "approach": ("approach", number(".1e")),
+        "moment": ("moment", number(".1e")),
+    }
+    return format_columns(read_rows("relaxation_sphere.csv"), columns)
+
+
+def relaxing_polyamide() -> str:
+    """Return peak pressures and creepages of cylinders of polyamide, and those of CONTACT."""
+    columns = {
+        r"$\tau$, s": ("tau, s", str),
+        "peak pressure, MPa": ("p_max", number(".2f")),
+        "CONTACT": ("p_max, CONTACT", number(".2f")),
+        "creepage, %": ("creepage", number(".4f")),
+        "CONTACT, %": ("creepage, CONTACT", number(".4g")),
+    }
+    return format_columns(read_rows("relaxation_contact.csv"), columns)
+
+
+def relaxing_cost() -> str:
+    """Return the time of bodies that relax over that of elastic ones."""
+    columns = {
+        "scene": ("scene", str),
+        r"terms ($f$, $V\tau/a$)": ("terms", str),
+        "time / time of elastic bodies": ("ratio", number(".2f")),
+    }
+    return format_columns(read_rows("relaxation_cost.csv"), columns)
+
+
 def solvers_steady() -> str:
     """Return the work and the time of complete steady solutions."""
     columns = {
@@ -1121,6 +1169,10 @@ TABLES = {
         invariance,
         layered_spheres,
         layered_cylinders,
+        relaxing_cylinders,
+        relaxing_spheres,
+        relaxing_polyamide,
+        relaxing_cost,
         invariance_scenes,
         falling,
         heat,

@@ -264,15 +264,19 @@ def _remember(
     ndarray, shape (2, n_x, n_y)
         mm/MPa.
     """
-    (dx, dy), (nx, ny) = sides, (max(offsets[0], 24), offsets[1])
+    (dx, dy), (nx, ny) = sides, offsets
+    # Also smaller meshes around the contact have these places of lengths.
+    nx = 24 * 2 ** max(0, int(np.ceil(np.log2(nx / 24))))
     parity = -1.0 if component in ("xz", "xy") else 1.0
-    # Over an element of 1/12 of its distance a load acts like a force, up to 3e-4; a line like 1/24.
-    doublings = int(np.log2(nx / (12 if law.datum is None else 24)))
-    first = -(-nx // 2**doublings)  # elements of the doubled length up to the mesh's end
+    first, doublings = 12, int(np.log2(nx / 12))  # of the doubled length up to the mesh's end
 
     def table(rows: int, step: float) -> np.ndarray:
         """Return K at offsets of a step, of elements as long as it, per their length."""
-        return law.coefficients(component, (rows, ny), step, dy) * (dx / step)
+        values = law.coefficients(component, (rows + 1, ny), step, dy) * (dx / step)
+        if step > dx:  # to that of shorter elements, whose second moment about the centre is less
+            values = values.copy()
+            values[1:-1] -= (1.0 - (dx / step) ** 2) / 24.0 * np.diff(values, 2, axis=0)
+        return values[:rows]
 
     # Beyond the mesh, from the farthest steps to the nearest.
     lengths = [dx * 2**doublings]

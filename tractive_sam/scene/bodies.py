@@ -139,6 +139,8 @@ class Heat(Table):
         factors = scene.friction and scene.friction.temperature
         coupled = "yes, iterated" if factors else "no: the contact is solved once"
         yield Row("friction depends on temperature", coupled)
+        if scene.body.relaxes:
+            yield Row("heat of relaxation", "inside the bodies, not in the flash temperature")
 
     @property
     def bulks(self) -> dict[str, float]:
