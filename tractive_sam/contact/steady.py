@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -546,7 +547,7 @@ def _bulk_dissipation(model: Model, fields: np.ndarray) -> dict[str, float]:
         total = float((fields * scale * np.gradient(moved, axis=1)).sum())
         return 0.0 - units.pressure * model.grid.element_area * total
 
-    bodies = {"A": law.A, "B": law.B}
+    bodies: dict[str, Any] = {"A": law.A, "B": law.B}
     relaxing = [name for name, body in bodies.items() if isinstance(body, RelaxingBody)]
     if len(relaxing) == 1 or law.A == law.B:
         each = dissipate(model.operators) / len(relaxing)
