@@ -13,7 +13,6 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline
 
 from tractive_sam.schema import (
     Check,
@@ -171,6 +170,9 @@ class RollerProfile(Table):
         """Return the sum of the functions of the basis at shares of the half length."""
         factors = np.array(self.coefficients)
         if self.basis == "spline":  # two zero factors: depth and slope are zero at s = 0
+            # Scenes without splines need no interpolation, which takes long to load.
+            from scipy.interpolate import BSpline  # noqa: PLC0415
+
             inner = np.linspace(0.0, 1.0, max(factors.size, 2))
             knots = np.concatenate([[0.0] * 3, inner, [1.0] * 3])
             factors = np.concatenate([np.zeros(knots.size - 4 - factors.size), factors])
