@@ -678,6 +678,34 @@ def roller() -> str:
     return format_columns(read_rows("roller.csv"), columns)
 
 
+def conformal_bores() -> str:
+    """Return the errors of a disc in a bore, and of Hertz for the same patch."""
+    columns = {
+        "half angle (degrees)": ("degrees", number(".0f")),
+        "error of the half angle": ("angle", number(".0e")),
+        "error of the peak pressure": ("peak", number(".0e")),
+        "half-space: load (%)": ("hertz_load", number("+.1f", 100.0)),
+        "half-space: peak pressure (%)": ("hertz_peak", number("+.1f", 100.0)),
+    }
+    return format_columns(read_rows("conformal_bores.csv"), columns)
+
+
+def conformal_grooves() -> str:
+    """Return contacts of balls in grooves beside the values that CONTACT prints."""
+    columns = {
+        "groove (mm)": ("groove", number(".2f")),
+        "response": ("response", str),
+        "half angle (degrees)": ("half_angle", number(".1f")),
+        "p_max (MPa)": ("p_max", number(".1f")),
+        "CONTACT": ("p_max_contact", number(".1f")),
+        "P (N)": ("P", number(".0f")),
+        "CONTACT ": ("P_contact", number(".0f")),
+        "free creepage (1e-4)": ("creepage", number(".2f", 1e4)),
+        "CONTACT  ": ("creepage_contact", number(".2f", 1e4)),
+    }
+    return format_columns(read_rows("conformal_grooves.csv"), columns)
+
+
 def steel_rolled() -> str:
     """Return the residual stress that rolling leaves, by depth, for several peak pressures."""
     columns = {
@@ -1159,6 +1187,8 @@ TABLES = {
         block_order,
         fatigue_cost,
         roller,
+        conformal_bores,
+        conformal_grooves,
         steel_rolled,
         steel_case,
         stepping,

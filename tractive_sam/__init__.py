@@ -21,9 +21,10 @@ Names by topic
 --------------
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
-**Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Relaxation, RollerProfile, Load, Creepage,
-Friction, Wear, Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue,
-FatigueVolume, Strength, Residual, ResidualStress, Inclusion, Heat, Bulk, Thermal; builtin_names
+**Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Relaxation, RollerProfile, Conformal, Load,
+Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface,
+Fatigue, FatigueVolume, Strength, Residual, ResidualStress, Inclusion, Heat, Bulk, Thermal;
+builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
@@ -52,11 +53,11 @@ stress_volume, fatigue, around_inclusions
 **Designs** design, OptimumDesign, OptimumResult, open_design, DesignError
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
-Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
-Layer, Material, TransverseMaterial, AnisotropicHalfSpaces, AnisotropicMaterial, RelaxingBody,
-RelaxingHalfSpaces, creep_terms; WearLaw, WearConditions, Energy, PerBody, SlidingShare;
-StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear,
-VolumeLife, Woehler, Steel; allow_laws
+Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces,
+ConformalBodies, LayeredBody, Layer, Material, TransverseMaterial, AnisotropicHalfSpaces,
+AnisotropicMaterial, RelaxingBody, RelaxingHalfSpaces, creep_terms; WearLaw, WearConditions,
+Energy, PerBody, SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley,
+FatemiSocie, OrthogonalShear, VolumeLife, Woehler, Steel; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

@@ -29,6 +29,7 @@ from .lookup import CreepTable as CreepTable
 from .mechanics import AnisotropicHalfSpaces as AnisotropicHalfSpaces
 from .mechanics import AnisotropicMaterial as AnisotropicMaterial
 from .mechanics import Bound as Bound
+from .mechanics import ConformalBodies as ConformalBodies
 from .mechanics import Coulomb as Coulomb
 from .mechanics import Crossland as Crossland
 from .mechanics import CycleCriterion as CycleCriterion
@@ -95,6 +96,7 @@ from .scene import Body as Body
 from .scene import BodyLayer as BodyLayer
 from .scene import Bulk as Bulk
 from .scene import Coefficients as Coefficients
+from .scene import Conformal as Conformal
 from .scene import Creepage as Creepage
 from .scene import CreepageCourse as CreepageCourse
 from .scene import ElasticBodies as ElasticBodies

@@ -322,7 +322,7 @@ def compare_levels(scene: Scene, tolerance: float = 1e-3) -> Levels:
     Raises
     ------
     SceneError
-        If the scene has a [transient], a [[duty]] or a [wheelset].
+        If the scene has a [transient], a [[duty]], a [wheelset] or [conformal].
     NotConverged
         If the refined contact does not converge.
 
@@ -332,9 +332,9 @@ def compare_levels(scene: Scene, tolerance: float = 1e-3) -> Levels:
     >>> [level.name for level in levels.levels if not level.missing][0]
     'closed form (Hertz, Carter)'
     """
-    several = [key for key in ("transient", "duty", "wheelset") if scene.has(key)]
+    several = [key for key in ("transient", "duty", "wheelset", "conformal") if scene.has(key)]
     if several:
-        allowed = "none: levels are compared for a scene of steady rolling with one contact"
+        allowed = "none: levels are compared for a scene of steady rolling with one flat contact"
         raise SceneError([Fault(key, "a table", allowed) for key in several])
     plain = scene.replace(wear=None, fatigue=None, subsurface=None, heat=None, accuracy=None)
     with warnings.catch_warnings():

@@ -91,11 +91,15 @@ def check_jacobian(model: Model) -> None:
     ImportError
         If xarray is missing.
     ValueError
-        If there is no friction.
+        If there is no friction, or if the patch is curved.
     """
     check_extra("xarray", "jacobian")
     if model.laws.friction is None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
+    if model.curved is not None:
+        raise ValueError(
+            "jacobian: the load of a [conformal] contact depends on the angle; use differences"
+        )
 
 
 def jacobian_of(

@@ -172,11 +172,14 @@ class Laws:
 
 def _elasticity(scene: Scene) -> Elasticity:
     """Return half-spaces or strips, of layers if bodies have any, with the interfacial layer."""
+    if scene.conformal is not None:
+        bodies: Elasticity = scene.conformal.patch(scene).elasticity(**scene.materials)
+        return _with_layer(bodies, scene)
     A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
     # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
     datum = radius if 0.0 < radius < math.inf else 0.0
     if scene.body.is_isotropic:
-        bodies: Elasticity = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
+        bodies = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     else:
         (of_A, of_B), of_line = scene.body.responses.values(), datum if scene.line else None
         law = AnisotropicHalfSpaces if scene.body.is_anisotropic else LinearHalfSpaces

@@ -12,7 +12,15 @@ import numpy as np
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, lowest_separation, resample, sample_gap
 from tractive_sam.contact.mesh import choose_grid
-from tractive_sam.mechanics import Coulomb, Elasticity, Frame, FrictionLaw, FrictionOnMesh, WearLaw
+from tractive_sam.mechanics import (
+    Coulomb,
+    CurvedPatch,
+    Elasticity,
+    Frame,
+    FrictionLaw,
+    FrictionOnMesh,
+    WearLaw,
+)
 from tractive_sam.operators import (
     STAGGERED,
     UPWIND,
@@ -175,6 +183,8 @@ class Model:
         self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
         self.wheel_depth: float | None = None
         patches = self.wheel_rail.patches if self.wheel_rail else ()
+        table = scene.conformal
+        self.curved: CurvedPatch | None = None if table is None else table.patch(scene)
         self.grid = grid or choose_grid(scene, measured, profiles, patches=patches)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
@@ -224,7 +234,7 @@ class Model:
 
     @cached_property
     def approach(self) -> float | None:
-        """Largest overlap of bodies in a wheel's patch, mm; None unless its depth is prescribed.
+        """Largest overlap of bodies, mm; None unless prescribed for a wheel or a curved patch.
 
         It is negative if they do not touch.
         """
@@ -295,6 +305,8 @@ class Model:
             patch = self.patch.lowered(depth)
             return patch.gap(self.grid.x, self.grid.y) - patch.opening
         x, y = self.grid.x[:, None], self.grid.y[None, :]
+        if self.curved is not None:
+            return self.curved.gap(x, y)
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
@@ -315,6 +327,20 @@ class Model:
         _ = self.operators, self.units
         model = copy(self)
         model.__dict__["undeformed_gap"] = self.undeformed_gap + 1e-3 * tilt * self.grid.y
+        return model
+
+    def pressed(self, approach: float) -> "Model":
+        """Return the model of a curved patch at an approach, mm, along the normal at its middle.
+
+        Beside the middle the surfaces approach less along their normal. The model shares the
+        operators and the units.
+        """
+        _ = self.operators, self.units
+        model, curved = copy(self), required(self.curved, "conformal")
+        _, normal = curved.normal(self.grid.x[:, None], self.grid.y[None, :])
+        gap = self.undeformed_gap + approach * (1.0 - normal)
+        model.__dict__ |= {"undeformed_gap": gap, "approach": approach}
+        model.__dict__.pop("load", None)
         return model
 
     def add_initial_wear(self, worn: np.ndarray | float) -> np.ndarray:
@@ -396,7 +422,7 @@ class Model:
     def transmits(self) -> bool:
         """Whether there may be tangential traction: friction, and creepage, force or coupling."""
         creepage = self.scene.creepage
-        moving = creepage.longitudinal or creepage.lateral or creepage.spin
+        moving = creepage.longitudinal or creepage.lateral or creepage.spin or self.curved
         caused = moving or any(self.free) or self.elasticity.coupled
         return self.laws.friction is not None and bool(caused or not self.scene.schedule.revolves)
 
@@ -412,7 +438,11 @@ class Model:
             x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
             patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
             return patch.rigid_slip(x, self.grid.y, wheel_rail.pitch)
-        return self.rigid_slip_by(*self._motion)
+        slip = self.rigid_slip_by(*self._motion)
+        if self.curved is not None and not self.curved.line:
+            ahead = self.stencil.rigid_ahead * self.grid.dx
+            slip = slip + self.curved.rolling_slip(self.grid.x[:, None] + ahead, self.grid.y)
+        return slip
 
     @property
     def finds_pitch(self) -> bool:
@@ -436,10 +466,17 @@ class Model:
         creepage = self.scene.creepage
         return creepage.longitudinal, creepage.lateral, creepage.spin
 
-    def rigid_slip_by(self, longitudinal: float, lateral: float, spin: float) -> np.ndarray:
-        """Return the slip s/V of undeformed bodies by given creepages, at the stencil's points."""
+    def rigid_slip_by(
+        self, longitudinal: float, lateral: float, spin: float, *, flat: bool = False
+    ) -> np.ndarray:
+        """Return the slip s/V of undeformed bodies by given creepages, at the stencil's points.
+
+        With `flat`, that of a flat patch, also on a curved one.
+        """
         x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
         y = self.grid.y[None, :]
+        if self.curved is not None and not (flat or self.curved.line):
+            return self.curved.rigid_slip(x, y, longitudinal, lateral, spin)
         return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
 
     @cached_property

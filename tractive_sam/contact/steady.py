@@ -302,7 +302,9 @@ def equilibrium(
         )
 
     moment = model.scene.load.moment
-    if moment is None:
+    if model.curved is not None:
+        contact = _find_approach(model, solve, start, tolerance)
+    elif moment is None:
         contact = replace(solve(model, start), tilt=model.scene.load.tilt or 0.0)
     else:
         contact = _find_tilt(model, partial(solve, tolerance=min(tolerance, 1e-9)), start, moment)
@@ -311,6 +313,48 @@ def equilibrium(
     if check_resolution and contact.converged and few:
         return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))
     return contact
+
+
+def _find_approach(
+    model: Model, solve: Solve, start: State | None, tolerance: float, most: int = 30
+) -> State:
+    """Solve the contact of a curved patch at its approach, or at that at which it carries its load.
+
+    It uses the secant method for the load to the power 2/3, as `LoadedWheel`.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    solve : callable
+        Solves a model from a similar contact.
+    start : State or None
+        A similar contact.
+    tolerance : float
+        Relative error of the load.
+    most : int
+        Largest number of solutions.
+    """
+    load, cost = model.scene.normal_load, Cost()
+    if load is None:
+        return solve(model.pressed(required(model.scene.load.approach, "load.approach")), start)
+    hertz = model.scene.hertz
+    assert hertz is not None  # of bodies that conform
+    approach = hertz.approach if start is None else start.approach
+    before, target = (0.0, 0.0), load ** (2.0 / 3.0)
+    for _ in range(most):
+        contact = solve(model.pressed(approach), start)
+        cost, carried = cost + contact.cost, contact.resultant[1]
+        too_deep = contact.status is Status.OFF_GRID and carried > load
+        if not (contact.converged or too_deep) or abs(carried - load) <= tolerance * load:
+            break
+        power = max(carried, 0.0) ** (2.0 / 3.0)
+        slope = (power - before[1]) / (approach - before[0])
+        before, start = (approach, power), contact
+        approach = (
+            min(approach + (target - power) / slope, 3.0 * approach) if slope else 2.0 * approach
+        )
+    return contact.with_cost(cost)
 
 
 def _find_tilt(
@@ -561,14 +605,15 @@ def _bulk_dissipation(model: Model, fields: np.ndarray) -> dict[str, float]:
 
 
 def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
-    """Return the work, N, of tractions on rigid slip beyond creepages and spin; 0 without wheel.
+    """Return the work, N, of tractions on rigid slip beyond creepages and spin; 0 in a plane.
 
-    On a wheel, points beside the tangent plane of the patch have another rolling radius.
+    Points beside the tangent plane of the patch of a wheel, or of a curved patch, have another
+    rolling radius.
     """
-    if model.patch is None:
+    if model.patch is None and model.curved is None:
         return 0.0
-    beyond = model.rigid_slip - model.rigid_slip_by(*model.creepages(None))
-    return float(-(traction * beyond).sum() * model.grid.element_area)
+    beyond = model.rigid_slip - model.rigid_slip_by(*model.creepages(None), flat=True)
+    return float(-(traction * model.stencil.at_centres(beyond)).sum() * model.grid.element_area)
 
 
 def _to_state(

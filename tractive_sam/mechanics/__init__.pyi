@@ -2,6 +2,8 @@
 
 from .anisotropy import AnisotropicHalfSpaces as AnisotropicHalfSpaces
 from .anisotropy import AnisotropicMaterial as AnisotropicMaterial
+from .conformal import ConformalBodies as ConformalBodies
+from .conformal import CurvedPatch as CurvedPatch
 from .criteria import CRITERIA as CRITERIA
 from .criteria import VON_MISES as VON_MISES
 from .criteria import Criterion as Criterion

@@ -13,6 +13,7 @@ from .fatigue import shakedown_map as shakedown_map
 from .fatigue import utilisation as utilisation
 from .fatigue import wear_against_fatigue as wear_against_fatigue
 from .fields import animate as animate
+from .fields import conformal_patch as conformal_patch
 from .fields import friction as friction
 from .fields import line_pressure as line_pressure
 from .fields import line_pressures as line_pressures

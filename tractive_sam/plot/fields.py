@@ -227,6 +227,45 @@ def pressure_along_roller(view: ContactView) -> Figure:
     return figure
 
 
+@contact_figure(
+    "conformal-patch",
+    needs=[
+        Need(
+            lambda view: view.contact.scene.conformal is not None,
+            "a curved patch: add [conformal] to the scene",
+        ),
+    ],
+)
+def conformal_patch(view: ContactView) -> Figure:
+    """Peak pressure and largest traction of a curved patch over the angle around its axis.
+
+    Raises
+    ------
+    ValueError
+        If the patch is flat.
+
+    Examples
+    --------
+    >>> plot.conformal_patch(ts.solve(ts.Scene.builtin("ball-in-groove")))
+    <Figure size ...>
+    """
+    contact = view.contact
+    patch = required(contact.scene.conformal, "conformal").patch(contact.scene)
+    forces = "$F_y$ = {:.4g}, $F_z$ = {:.4g} ".format(*contact.resultant) + contact.scene.force_unit
+    figure, axes = new_axes(1.2, 0.7, view.describe(f"pressure around the axis; {forces}"))
+    along, axis = (1, contact.grid.x) if patch.line else (0, contact.grid.y)
+    degrees = np.degrees(axis / patch.radius)
+    pressure = contact.pressure.max(axis=along)
+    axes.plot(degrees, pressure, color=LOOK.blue, label="peak pressure")
+    if contact.traction.any():
+        traction = np.hypot(*contact.traction).max(axis=along)
+        axes.plot(degrees, traction, color=LOOK.vermillion, label="largest traction")
+    axes.set(xlabel="angle from the middle of the patch (degrees)", ylabel="MPa")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="best")
+    return figure
+
+
 @contact_figure("slip", needs=[SINGLE_ROW], shown=has_traction)
 def line_slip(view: ContactView) -> Figure:
     """Slip of A over B in a line contact over x: over rolling speed, or in a shift's step.

@@ -505,6 +505,18 @@ class State:
         """Rolling resistance moment: of the pressure about y, the integral of p x, N mm."""
         return self._integral(self.grid.x @ self.pressure.sum(axis=1))
 
+    @cached_property
+    def resultant(self) -> tuple[float, float]:
+        """Lateral and normal force on A, N, in the frame of the middle of the patch.
+
+        On a curved patch both have parts of the pressure and of the traction.
+        """
+        if self.scene.conformal is None:
+            return self.Qy, self.P
+        patch, (x, y) = self.scene.conformal.patch(self.scene), (self.grid.x, self.grid.y)
+        lateral, normal = patch.force(x[:, None], y[None, :], self.pressure, self.traction)
+        return lateral * self.grid.element_area, normal * self.grid.element_area
+
     @property
     def p_max(self) -> float:
         """Peak contact pressure of an element, MPa."""

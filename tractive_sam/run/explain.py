@@ -28,6 +28,8 @@ def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
     """Yield rows on the coupling of pressure and tractions, and on the tangential problem."""
     body = model.scene.body
     K = f"K = {body.material.coupling:.4g}" if body.is_isotropic else "layers or anisotropy"
+    if model.curved is not None:
+        K = f"one is convex and one concave; K = {body.material.coupling:.4g}"
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
         coupling = (
@@ -56,7 +58,8 @@ def _describe_solver(table: Solver, model: Model) -> Iterator[Row]:
         if model.stencil.staggered:
             scheme = "between elements (staggered): its error falls with the square of their size"
         yield Row("slip", f"from differences {scheme}")
-    yield Row("left out", "inertia, lubricant, plasticity; thin or conforming bodies")
+    conforming = " or conforming" if model.curved is None else ""
+    yield Row("left out", f"inertia, lubricant, plasticity; thin{conforming} bodies")
 
 
 def _describe_transient(_table: Any, model: Model) -> Iterator[Row]:
@@ -217,7 +220,10 @@ def explain(scene: Scene) -> Description:
 
 
 SECTIONS = (
-    ("Bodies", ("body", "elasticity", "load", "gap", "wheel", "rail", "wheelset")),
+    (
+        "Bodies",
+        ("body", "elasticity", "load", "gap", "conformal", "wheel", "rail", "wheelset"),
+    ),
     ("State", ("creepage", "friction", "solver")),
     ("Wear", ("wear",)),
     ("Load spectrum", ("load_history", "duty")),

@@ -7,6 +7,7 @@ from .bodies import Fatigue as Fatigue
 from .bodies import FatigueVolume as FatigueVolume
 from .bodies import Heat as Heat
 from .bodies import Thermal as Thermal
+from .conformal import Conformal as Conformal
 from .duty import Block as Block
 from .duty import BlockCreepage as BlockCreepage
 from .duty import BlockFriction as BlockFriction

@@ -378,7 +378,7 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     elastic = entries["elasticity"]
     if (elastic is not None and elastic.named_law) or entries["body"].is_layered:
         return  # layers change the size of the contact: the Hertz contact is an estimate
-    if entries["gap"] is not None or entries["wheel"] is not None:
+    if any(entries[key] is not None for key in ("gap", "wheel", "conformal")):
         return  # the Hertz ellipse is not the contact
     half_length, contact = entries["grid.half_length"] or (), entries["body"].hertz(entries["load"])
     if contact is None or len(half_length) != (1 if is_line(entries) else 2):

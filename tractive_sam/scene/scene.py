@@ -45,6 +45,7 @@ from tractive_sam.schema import (
 
 from .bodies import STEEL, Bodies, Fatigue, Heat, Thermal
 from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
+from .conformal import Conformal, check_conformity, check_excluded
 from .duty import (
     Block,
     Spectrum,
@@ -183,6 +184,7 @@ class Scene(TomlTable):
     grid: InnerTable[Mesh | None] = optional("the grid")
     accuracy: InnerTable[Accuracy | None] = optional("the requested accuracy")
     gap: InnerTable[Gap | None] = optional("the separation added to the radii")
+    conformal: InnerTable[Conformal | None] = optional("a contact that curves with its bodies")
     wheel: InnerTable[WheelTable | None] = optional("body A as a wheel")
     rail: InnerTable[RailTable | None] = optional("body B as a rail")
     wheelset: InnerTable[WheelsetTable | None] = optional("the position of the wheelset")
@@ -209,6 +211,8 @@ class Scene(TomlTable):
         check_inclusions,
         check_roller,
         check_tilt,
+        check_conformity,
+        check_excluded,
     )
     internal: ClassVar[frozenset[str]] = frozenset(
         (
@@ -278,7 +282,7 @@ class Scene(TomlTable):
     @property
     def has_gap(self) -> bool:
         """Whether the undeformed surfaces differ from the radii, so that Hertz does not apply."""
-        return self.gap is not None or self.wheel is not None
+        return any(table is not None for table in (self.gap, self.wheel, self.conformal))
 
     @property
     def _unequal_turns(self) -> str:

@@ -579,9 +579,11 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
     scene = entries["scene"]
     if scene is None:
         return
-    for key in ("process", "transient", "duty"):
+    for key in ("process", "transient", "duty", "conformal"):
         if getattr(scene, key):
-            yield Fault(f"scene.{key}", "a table", "none: the contact of a table is steady")
+            yield Fault(
+                f"scene.{key}", "a table", "none: the contact of a table is steady and flat"
+            )
     if scene.friction is None:
         yield Fault("scene.friction", "nothing", "friction, or there are no creep forces")
     for key in ("force_x", "force_y"):
