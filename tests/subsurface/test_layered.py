@@ -7,7 +7,7 @@ import tractive_sam as ts
 from tractive_sam.mechanics import Strips
 from tractive_sam.mechanics.criteria import VonMises
 from tractive_sam.operators import Lattice, surface_stress
-from tractive_sam.results import Grid
+from tractive_sam.results import Grid, columns
 from tractive_sam.subsurface import with_interfaces
 from tractive_sam.subsurface.layered import LayeredStress
 from tractive_sam.subsurface.sources import PatchStress, StripStress
@@ -188,8 +188,43 @@ def test_maximum_and_fatigue_of_a_coated_roller():
     points = np.array([(x, 0.0, z) for x in contact.grid.x for z in np.linspace(0.1, 0.6, 11)])
     among = VonMises()(ts.stress_at(contact, points).T).max()
     assert 0.995 * among < top.value < 1.05 * max(among, top.surface)
+    (face,) = top.interfaces
+    stress = ts.stress_at(contact, [face.shear_at])[0]
+    # The top of parabolas through the mesh, against the exact sum there.
+    assert face.shear == pytest.approx(np.hypot(stress[XZ], stress[YZ]), rel=2e-3)
+    assert face.tension_at[2] == 0.2
+    recorded = ts.roll(scene)
+    assert recorded["interface_shear"][0, 0] == pytest.approx(face.shear)
+    assert np.isnan(recorded["interface_shear"][0, 1])  # body B is not in [subsurface]
+    assert recorded["interface_tension_at"][0, 0, 2] == 0.2
     by_body = ts.fatigue(contact)
     depth = by_body["A"].depth
     assert 0.2 in depth
     assert np.count_nonzero(np.isclose(depth, 0.2)) == 2
     assert all((of.path_radius > 0.0).any() for of in by_body.values())
+    worst, parts = by_body["A"].largest("path_radius"), ((0.0, 0.2), (0.2 + 1e-10, np.inf))
+    coating, below = (by_body["A"].largest("path_radius", within=part) for part in parts)
+    assert worst.value == max(coating.value, below.value)
+    # The parabolas do not pass an interface: no value exceeds its neighbours by much.
+    assert worst.value < 1.2 * by_body["A"].path_radius.max()
+    assert np.isnan(below.surface)
+    assert coating.interior_at[2] <= 0.2 < below.interior_at[2]
+
+
+def test_sections_show_interfaces():
+    scene = ts.Scene.builtin("coated-roller").replace(
+        **{"body.A.layer[0].thickness": 0.2},
+        grid={"elements": [9, 9]},
+        subsurface={"planes": ["y=0"], "elements": 5},
+    )
+    figure = ts.plot.von_mises_section(ts.solve(scene))
+    dashed = [line for line in figure.axes[0].lines if line.get_linestyle() == "--"]
+    assert len(dashed) == 1
+
+
+def test_columns_of_interfaces_belong_to_layers():
+    plain = ts.Scene.builtin("spheres").replace(subsurface={"planes": ["y=0"]})
+    assert "interface_shear" not in columns(plain)
+    assert "interface_shear" in columns(
+        ts.Scene.builtin("coated-roller").replace(subsurface={"planes": ["y=0"]})
+    )

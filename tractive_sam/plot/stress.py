@@ -247,8 +247,11 @@ class PlaneSection:
         return f"${value:.3f}$" if self.scale else rf"${value:.4g}\,\mathrm{{MPa}}$"
 
     def draw_contours(self, axes: Axes, levels: np.ndarray, upwards: bool = True) -> ContourSet:
-        """Fill axes with contours of the quantity; return the contour set."""
+        """Fill axes with contours of the quantity, and draw interfaces; return the contour set."""
         first, second = self.axes
+        # Both sides of an interface are depths, a part in 1e9 from each other.
+        for face in second[1:][np.diff(second) < 1e-8 * second[1:]]:
+            axes.axhline(face if upwards else -face, color="black", lw=0.6, ls="--", zorder=0.7)
         second = second if upwards else -second
         colours = LOOK.signed if self.signed else LOOK.stress
         filled = axes.contourf(first, second, self.values.T, levels, cmap=colours, zorder=0.5)

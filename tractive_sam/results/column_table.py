@@ -204,6 +204,9 @@ FATIGUE_COLUMNS = (
 # fmt: on
 
 
+_on_interface = partial(Quantity, needs=("subsurface", "body.is_layered"), bodies_of="subsurface")
+
+
 def read_error_bar(name: str, contact: State) -> float:
     """Return the error bar of a named quantity of a contact; nan if there is none."""
     return contact.error_bars.get(name, math.nan)
@@ -466,6 +469,27 @@ COLUMNS = (
     *_SCALARS,
     *_ARRAYS,
     *_STRESSES[:-1],
+    # Stress that may detach layers.
+    *(
+        column
+        for name, text in (("shear", "shear stress"), ("tension", "normal stress, tension above 0"))
+        for column in (
+            _on_interface(
+                f"interface_{name}",
+                "MPa",
+                f"largest {text}, on the interfaces of layers",
+                dims=("body",),
+                over_blocks="largest",
+            ),
+            _on_interface(
+                f"interface_{name}_at",
+                "mm",
+                f"position (x, y, depth) of interface_{name}",
+                dims=("body", "position"),
+                place_of=f"interface_{name}",
+            ),
+        )
+    ),
     *FATIGUE_COLUMNS,
     *(
         replace(error_bar_column(column), when=_has_single_load)

@@ -166,6 +166,31 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
+class InterfaceStress:
+    """Largest stress on an interface of a body with layers, which may detach them, in MPa.
+
+    Attributes
+    ----------
+    shear, shear_at : float, tuple of float
+        Largest shear stress on the interface, and its position (x, y, depth), mm.
+    tension, tension_at : float, tuple of float
+        Largest normal stress on the interface, positive in tension, and its position.
+
+    Examples
+    --------
+    >>> coated = ts.Scene.builtin("coated-roller").replace(grid={"elements": [9, 9]})
+    >>> (face,) = ts.stress_maximum(ts.solve(coated), "A").interfaces
+    >>> face.shear_at[2], face.shear > face.tension
+    (1.0, True)
+    """
+
+    shear: float
+    shear_at: Point
+    tension: float
+    tension_at: Point
+
+
+@dataclass(frozen=True)
 class Maximum:
     """Largest stress in a body by a criterion, inside and at the surface, with positions in mm.
 
@@ -182,6 +207,8 @@ class Maximum:
         one is closer to the surface.
     surface, surface_at : float, tuple of float
         The largest value at the surface; see `subsurface.sources.largest_at_surface`.
+    interfaces : tuple of InterfaceStress
+        Largest stresses on the interfaces of a body with layers, from the surface down.
 
     Examples
     --------
@@ -197,6 +224,7 @@ class Maximum:
     interior_at: Point
     surface: float
     surface_at: Point
+    interfaces: tuple[InterfaceStress, ...] = field(default=(), repr=False)
 
 
 def _empty() -> np.ndarray:
@@ -334,35 +362,45 @@ class BodyFatigue(ShortArrays):
             return float(surface[j]), (math.nan, float(self.y[j]), float(self.worn[j]))
         return value, at
 
-    def largest(self, name: str = "utilisation") -> Maximum:
+    def largest(
+        self, name: str = "utilisation", within: tuple[float, float] = (0.0, math.inf)
+    ) -> Maximum:
         """Return the largest value of a field by its name; places are (nan, y, depth), mm.
 
         Below the surface it is refined by parabolas through the neighbouring points. If the yield
         stress depends on the depth, the shear stresses `residual_shear` and `path_radius` are taken
-        times `shear_yield` over it, so that the largest one determines shakedown.
+        times `shear_yield` over it, so that the largest one determines shakedown. `within` limits
+        the depths, both included: a layer of the body.
         """
         values = getattr(self, name)
+        inside = (self.depth >= within[0]) & (self.depth <= within[1])
         if name in ("residual_shear", "path_radius") and self.local_yield.size:
             values = values * (self.shear_yield / self.local_yield)
+        depth, values = self.depth[inside], values[:, inside]
         if np.isnan(values).all():
             nowhere = (math.nan,) * 3
             return Maximum(self.criterion, *(math.nan, nowhere) * 3)
         row = int(np.argmax(values[:, 0]))
         surface, surface_at = float(values[row, 0]), (math.nan, float(self.y[row]), 0.0)
-        interior, interior_at = self._interior(values)
-        higher = interior > surface
+        if depth[0] > 0.0:
+            surface, surface_at = math.nan, (math.nan,) * 3
+        interior, interior_at = self._interior(depth[depth > 0.0], values[:, depth > 0.0])
+        higher = not (surface >= interior or math.isnan(interior))
         value, at = (interior, interior_at) if higher else (surface, surface_at)
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
 
-    def _interior(self, values: np.ndarray) -> tuple[float, tuple[float, float, float]]:
+    def _interior(
+        self, depth: np.ndarray, below: np.ndarray
+    ) -> tuple[float, tuple[float, float, float]]:
         """Return the largest value below the surface and (nan, y, depth), by parabolas.
 
         A parabola through the largest value alone would not suffice: the best residual stress of a
         depth makes two rows equal, so that rounding would choose between their parabolas.
         """
-        below = values[:, 1:]
+        if not depth.size:
+            return math.nan, (math.nan,) * 3
         y, gain_y = _parabola_tops(self.y, below)
-        depth, gain_z = (array.T for array in _parabola_tops(self.depth[1:], below.T))
+        depth, gain_z = (array.T for array in _parabola_tops(depth, below.T))
         total = below + gain_y + gain_z
         at = np.unravel_index(np.argmax(total), total.shape)
         return float(total[at]), (math.nan, float(y[at]), float(depth[at]))
@@ -401,7 +439,7 @@ def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     -------
     place, gain : ndarray, shape (n, ...)
         Place of each top, and its height above the value. At an end, and if the top is farther
-        away than the neighbours, the place itself and 0.
+        away than the neighbours, the place itself and 0; so also on both sides of an interface.
     """
     places = x.reshape(-1, *(1,) * (values.ndim - 1))
     place, gain = np.broadcast_to(places, values.shape).copy(), np.zeros(values.shape)
@@ -411,6 +449,7 @@ def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     slope = (down * after + up * before) / (before + after)
     step = np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature > 0.0)
     near = (-before <= step) & (step <= after)
+    near &= (before > 1e-6 * after) & (after > 1e-6 * before)  # an interface: values may jump
     place[1:-1] += np.where(near, step, 0.0)
     gain[1:-1] = 0.5 * slope * np.where(near, step, 0.0)
     return place, gain

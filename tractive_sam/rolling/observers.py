@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -118,10 +119,17 @@ class LargestStress(Observer):
         """Return the largest stresses of a block, by column and then by body."""
         names = ("value", "interior", "surface", "at")
         maxima = self.maxima[block].items()
-        return {
+        stress: dict[str, dict[str, Any]] = {
             column.name: {body: getattr(maximum, name) for body, maximum in maxima}
             for column, name in zip(self.columns, names, strict=False)
         }
+        for name in ("shear", "tension"):
+            tops = {b: max(m.interfaces, key=attrgetter(name)) for b, m in maxima if m.interfaces}
+            if tops:
+                for field_name in (name, f"{name}_at"):
+                    values = {body: getattr(top, field_name) for body, top in tops.items()}
+                    stress[f"interface_{field_name}"] = values
+        return stress
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
         """Return the stress on planes below the contact of a block; none before the first step.

@@ -23,7 +23,7 @@ from tractive_sam.mechanics import (
     Strips,
 )
 from tractive_sam.operators import Lattice, extent, transform_quadrant
-from tractive_sam.results import Grid, Point
+from tractive_sam.results import COMPONENTS, Grid, InterfaceStress, Point
 from tractive_sam.subsurface.sources import (
     PatchStress,
     StripStress,
@@ -31,8 +31,6 @@ from tractive_sam.subsurface.sources import (
     stress_source,
     tractions_on_bodies,
 )
-
-_COMPONENTS, _LOADS = ("xx", "yy", "zz", "xy", "xz", "yz"), "xyn"
 
 
 def _amplitudes(body: LayeredBody, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -82,7 +80,7 @@ def _amplitudes(body: LayeredBody, depths: np.ndarray) -> tuple[np.ndarray, np.n
     amplitudes = np.zeros((depths.size, 6, 3, 7, heights.size))
     for (component, load), kernels in terms.items():
         for kernel, values in kernels.items():
-            place = _COMPONENTS.index(component), _LOADS.index(load), kernel
+            place = COMPONENTS.index(component), "xyn".index(load), kernel
             amplitudes[:, *place] = values
     return heights, amplitudes / (2.0 * np.pi)
 
@@ -143,10 +141,10 @@ class LayeredStress:
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
         """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
         depths = np.array(list(depths), dtype=float)
-        each = [self._of_body(number, depths, threads) for number in range(len(self._bodies))]
+        each = [self.of_body(number, depths, threads) for number in range(len(self._bodies))]
         return map(np.stack, zip(*each, strict=True))
 
-    def _of_body(self, number: int, depths: np.ndarray, threads: int) -> Iterator[np.ndarray]:
+    def of_body(self, number: int, depths: np.ndarray, threads: int = 1) -> Iterator[np.ndarray]:
         """Yield the stress (6, n_x, n_y) of a body, depth by depth."""
         plain = (
             stress[0]
@@ -163,8 +161,8 @@ class LayeredStress:
             tables = self._tables(body, depths[first : first + self.together])
             for of_depth, stress in zip(tables, plain, strict=False):
                 added = np.zeros((6, *loads.shape[1:]), dtype=complex)
-                for c, component in enumerate(_COMPONENTS):
-                    for load, name, table in zip(loads, _LOADS, of_depth[c], strict=True):
+                for c, component in enumerate(COMPONENTS):
+                    for load, name, table in zip(loads, "xyn", of_depth[c], strict=True):
                         letters = component + name
                         parity = tuple((-1) ** letters.count(axis) for axis in "xy")
                         added[c] += transform_quadrant(table, parity, period) * load
@@ -411,6 +409,19 @@ class LayeredLevels:
             self._top(body, depths, of_body, at_surface)
             for body, of_body, at_surface in zip(self._layered, values, surface, strict=True)
         ]
+
+    def interfaces(self) -> list[tuple[InterfaceStress, ...]]:
+        """Return the largest stresses on the interfaces of each body, from the surface down."""
+        each = []
+        for number, body in enumerate(self._layered):
+            faces = []
+            for k, stress in enumerate(self._source.of_body(number, body.interfaces)):
+                place = body.interfaces[k : k + 1]
+                shear = self._top(body, place, np.hypot(stress[4], stress[5])[None], -np.inf)
+                tension = self._top(body, place, stress[None, 2], -np.inf)
+                faces.append(InterfaceStress(*shear, *tension))
+            each.append(tuple(faces))
+        return each
 
     def _top(
         self, body: LayeredBody, depths: np.ndarray, values: np.ndarray, at_surface: float

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, cast
 
 import numpy as np
@@ -756,10 +756,12 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
     tops = [top[0] for top in surface]
     layered = isinstance(levels, LayeredLevels)
     interior = levels.interior(tops) if layered else _interior(levels, tops)
+    faces = levels.interfaces() if layered else [()] * len(tops)
     maxima = {}
-    for name, above, below in zip(load.names, surface, interior, strict=True):
+    for name, above, below, of_layers in zip(load.names, surface, interior, faces, strict=True):
         larger = below if below[0] > above[0] else above
-        maxima[name] = Maximum(criterion, *larger, *below, *above)
+        maximum = Maximum(criterion, *larger, *below, *above)
+        maxima[name] = replace(maximum, interfaces=of_layers)
     return maxima
 
 
