@@ -547,7 +547,7 @@ class SpreadResult(QuestionResult):
             swing = np.nan_to_num(np.abs(ends[1] - ends[0]))
             units = [
                 re.search(
-                    r", ((k?N|M?Pa|mm|m/s|mrad|degrees|K|W|1/mm)[^,;:]*)",
+                    r", ((k?N|M?Pa|mm|m/s|mrad|degrees|K|W|1/mm|micrometres|HV)[^,;:]*)",
                     Scene.find_field(base_of(key)).title or "",
                 )
                 for key in keys
