@@ -245,6 +245,27 @@ def shift_and_roll() -> Iterator[Comparison]:
         yield compare(f"1000 |xi_x|, step {step}", printed, creepage, 2e-4)
 
 
+def relaxation() -> Iterator[Comparison]:
+    """Pressed and driven cylinders of polyamide, whose moduli relax to a half."""
+    for time, pressure, creepage in (
+        (0.009, "78.74", "1.365"),
+        (0.045, "84.72", "1.152"),
+        (2.0, "85.31", "0.9932"),
+    ):
+        terms = [{"ratio": 1.0, "time": time}]
+        body = {"shear": 1143.0, "poisson": 0.4, "radius_x": 100.0, "relaxation": terms}
+        scene = ts.Scene(
+            body={"A": {**body, "radius_y": math.inf}, "B": {**body, "radius_y": math.inf}},
+            load={"normal": 600.0, "force_x": 108.0},
+            creepage={"speed": 1000.0},
+            friction={"mu": 0.3},
+            grid={"half_length": (7.92,), "elements": (99,)},
+        )
+        contact = ts.solve(scene)
+        yield compare(f"p_max, MPa, tau = {time:g} s", pressure, contact.p_max, 2e-4)
+        yield compare(f"100 |xi_x|, tau = {time:g} s", creepage, -100.0 * contact.xi_x, 0.02)
+
+
 CONTACT, ITERATION = "CONTACT, revision 2707", "the iteration of CONTACT: 0.01 %"
 
 KALKER = (
@@ -289,6 +310,13 @@ SETS = (
         CONTACT,
         partial(free_rolling, 10.0, "3.59e-4", 3e-2),
         "first order of CONTACT's scheme: 3 %, as hardly anything slips",
+    ),
+    PublishedSet(
+        "Cylinders of polyamide that relax",
+        f"{CONTACT}, example visc_cylindr",
+        relaxation,
+        "pressure: 0.02 %; creepage: first order of CONTACT's scheme, 2 %. For relaxed bodies it "
+        "prints 1.378, where Carter's solution is 1.3966",
     ),
     PublishedSet(
         "Spheres after a change of creepage", CONTACT, change_of_creepage, "the solver's tolerance"
