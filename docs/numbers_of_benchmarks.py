@@ -718,6 +718,27 @@ def steel_rolled() -> str:
     return format_columns(rows, columns)
 
 
+def inclusions_spheres() -> str:
+    """Return errors of the stress in and next to spheres, for each number of cells."""
+    columns = {
+        "cells across": ("cells", str),
+        "sphere": ("inclusion", str),
+        "error inside, over the stress without inclusion": ("inside", number(".1e")),
+        "error of the largest von Mises stress": ("next to it", number(".1e")),
+    }
+    return format_columns(read_rows("inclusions_spheres.csv"), columns)
+
+
+def inclusions_lift() -> str:
+    """Return errors of the rise of the surface above a dilating sphere."""
+    columns = {
+        "depth over radius": ("depth", number(".4g")),
+        "cells across": ("cells", str),
+        "largest error of the rise": ("rise", number(".1e")),
+    }
+    return format_columns(read_rows("inclusions_lift.csv"), columns)
+
+
 def steel_case() -> str:
     """Return utilisation and load factors of a roller by criterion and material."""
     columns = {
@@ -1189,6 +1210,8 @@ TABLES = {
         roller,
         conformal_bores,
         conformal_grooves,
+        inclusions_spheres,
+        inclusions_lift,
         steel_rolled,
         steel_case,
         stepping,

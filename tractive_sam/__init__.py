@@ -38,7 +38,7 @@ wear_profiles, WornProfiles
 open_history, report, export_surface, export_volume
 
 **Stress and fatigue** stress_at, stress_maximum, stress_on_plane, stress_on_planes, stress_path,
-stress_volume, fatigue, around_inclusions
+stress_volume, fatigue, around_inclusions, inclusion_lift
 
 **Any file** open_any, Document
 

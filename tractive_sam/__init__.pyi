@@ -149,6 +149,7 @@ from .studies import open_study as open_study
 from .studies import study as study
 from .subsurface import around_inclusions as around_inclusions
 from .subsurface import fatigue as fatigue
+from .subsurface import inclusion_lift as inclusion_lift
 from .subsurface import stress_at as stress_at
 from .subsurface import stress_maximum as stress_maximum
 from .subsurface import stress_on_plane as stress_on_plane

@@ -215,6 +215,22 @@ def test_wear_uncovers_an_inclusion(contact):
     np.testing.assert_array_equal(gone.plane.depth, before.plane.depth)
 
 
+def test_the_lift_of_the_surface_acts_back_on_the_contact_on_request(contact):
+    shallow = {"radii": 0.03, "at": [0.05, 0.0, 0.06]}
+    hole = SCENE.replace(inclusion=[{**shallow, "young": 0.0, "body": "B", "cells": 7}])
+    lift = ts.inclusion_lift(replace(contact, scene=hole))
+    place = np.unravel_index(np.abs(lift).argmax(), lift.shape)
+    assert lift[place] < 0.0  # the surface above a void yields
+    assert contact.grid.x[place[0]] == pytest.approx(0.05, abs=contact.grid.dx)
+    np.testing.assert_allclose(lift, lift[:, ::-1], atol=1e-4 * abs(lift[place]))
+    approaches = [contact.approach]
+    for _ in range(2):
+        contact = ts.solve(hole, wear=-ts.inclusion_lift(replace(contact, scene=hole)))
+        approaches.append(contact.approach)
+    assert approaches[0] < approaches[1]
+    assert abs(approaches[2] - approaches[1]) < 0.1 * (approaches[1] - approaches[0])
+
+
 GOOD = {"at": [0.0, 0.0, 0.1], "radii": 0.02, "young": 389e3, "poisson": 0.25}
 
 

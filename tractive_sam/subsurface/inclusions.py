@@ -298,6 +298,13 @@ class InclusionStress(ShortArrays):
     plane : PlaneStress
         Stress around it at the moment of the largest von Mises stress, over the distance from its
         centre along x and the depth below the unworn surface; depths worn off have nan.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 1.5], radii=0.1, young=0.0, cells=7)
+    >>> (around,) = ts.around_inclusions(ts.solve(scene.replace(inclusion=[hole])))
+    >>> around.body, str(around.plane.plane), list(around.plane.axes)
+    ('A', 'inclusion-1', ['along', 'depth'])
     """
 
     inclusion: int
@@ -329,10 +336,57 @@ def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[Inclusi
     >>> hole = ts.Inclusion(at=[0.0, 0.0, 1.5], radii=0.1, young=0.0, cells=7)
     >>> (around,) = ts.around_inclusions(ts.solve(scene.replace(inclusion=[hole])))
     >>> round(around.von_mises / scene.hertz.p0, 1)
-    1.3
+    1.5
     """
     laws = laws or Laws.of_contact(contact, ("elasticity", "fatigue"))
-    inclusions, results = contact.scene.inclusion, dict[int, InclusionStress]()
+    results: dict[int, InclusionStress] = {}
+    for passing in _passages(contact, laws):
+        results |= passing.results()
+    return tuple(results[k] for k in sorted(results))
+
+
+def inclusion_lift(contact: State, x: float = 0.0, laws: Laws | None = None) -> np.ndarray:
+    """Return the displacement of both surfaces by inclusions, out of the bodies, (n_x, n_y), mm.
+
+    It closes the gap: the contact with it is ``solve(scene, wear=-inclusion_lift(contact))``.
+
+    Parameters
+    ----------
+    contact : State
+        The solved contact of a scene with [[inclusion]].
+    x : float
+        Distance by which the inclusions are ahead of their places, mm.
+    laws : Laws, optional
+        Laws of the bodies; by default the laws of the solution.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 0.5], radii=0.2, young=0.0, cells=7)
+    >>> above = scene.replace(inclusion=[hole])
+    >>> softer = ts.solve(above)
+    >>> for _ in range(2):
+    ...     softer = ts.solve(above, wear=-ts.inclusion_lift(softer))
+    >>> softer.approach > ts.solve(above).approach
+    True
+    """
+    laws, grid = laws or Laws.of_contact(contact, ("elasticity", "fatigue")), contact.grid
+    places = [axis.ravel() for axis in np.meshgrid(grid.x, grid.y, indexing="ij")]
+    lift = np.zeros(places[0].size)
+    for passing in _passages(contact, laws):
+        _, *middle = (float(at.mean()) for at in passing.group.cells)
+        there = replace(passing, only=middle[0] + x)
+        if there.is_open:
+            continue
+        own = there.group.share * np.tensordot(there.solved[1], there.shares[0], (1, 0))
+        for part in np.array_split(np.arange(lift.size), math.ceil(lift.size / 500)):
+            about = places[0][part] - middle[0] - x, places[1][part] - middle[1]
+            lift[part] -= there.group.box.surface_displacement(own, *about)[2]
+    return lift.reshape(grid.elements)
+
+
+def _passages(contact: State, laws: Laws) -> Iterator[_Passing]:
+    """Yield the passage of each group of inclusions that disturb each other."""
+    inclusions = contact.scene.inclusion
     left = list(range(len(inclusions)))
     while left:
         group = [left.pop(0)]
@@ -346,8 +400,7 @@ def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[Inclusi
         body = inclusions[group[0]].body
         depth = worn_depth(contact, body)
         worn = max(np.interp(inclusions[k].at[1], contact.grid.y, depth) for k in group)
-        results |= _Passing(contact, laws, body, sorted(group), float(worn)).results()
-    return tuple(results[k] for k in sorted(results))
+        yield _Passing(contact, laws, body, sorted(group), float(worn))
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,6 +415,8 @@ class _Passing:
         Their places in [[inclusion]].
     worn : float
         Depth worn off, mm.
+    only : float, optional
+        The only position of the inclusions, mm; by default they pass the contact.
     """
 
     contact: State
@@ -369,6 +424,7 @@ class _Passing:
     body: str
     numbers: list[int]
     worn: float
+    only: float | None = None
 
     moments: ClassVar[int] = 101
     """Positions of the inclusions below the contact."""
@@ -385,6 +441,11 @@ class _Passing:
         assert isinstance(material, Material)
         return InclusionGroup(inclusions, material.shear, material.poisson, self.worn)
 
+    @property
+    def is_open(self) -> bool:
+        """Whether wear has uncovered one of the inclusions."""
+        return any(self.group.places[:, 2] <= [one.half[2] for one in self.group.inclusions])
+
     @cached_property
     def outer(self) -> InclusionGroup:
         """The inclusions with the body around them."""
@@ -393,6 +454,8 @@ class _Passing:
     @cached_property
     def x(self) -> np.ndarray:
         """Positions of the middle of the inclusions, from the leading side on, mm."""
+        if self.only is not None:
+            return np.array([self.only])
         depth = self.group.cells[0].mean()
         reach = self.contact.half_width_x + 3.0 * depth
         return self.contact.grid.centre[0] + np.linspace(reach, -reach, self.moments)
@@ -531,7 +594,7 @@ class _Passing:
     def results(self) -> dict[int, InclusionStress]:
         """Return the results of each inclusion by its place in [[inclusion]]."""
         found = {}
-        if (self.group.places[:, 2] <= [one.half[2] for one in self.group.inclusions]).any():
+        if self.is_open:
             nowhere = (math.nan,) * 3
             for k, number in enumerate(self.numbers):
                 about = number, self.body, math.nan, nowhere, math.nan, math.nan, nowhere, math.nan
