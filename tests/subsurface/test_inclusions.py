@@ -271,6 +271,9 @@ def test_inclusions_need_a_uniform_body_and_their_own_place():
     with pytest.raises(ts.SceneError) as error:
         SCENE.replace(inclusion=twice)
     assert [fault.key for fault in error.value.faults] == ["inclusion[1].at"]
+    with pytest.raises(ts.SceneError) as error:
+        ts.Scene.builtin("fretting").replace(inclusion=[GOOD])
+    assert "inclusion" in [fault.key for fault in error.value.faults]
     coated = {"body.A.layer": [{"thickness": 0.1, "young": 300e3, "poisson": 0.2}]}
     with pytest.raises(ts.SceneError) as error:
         SCENE.replace(inclusion=[GOOD | {"body": "A"}], **coated)

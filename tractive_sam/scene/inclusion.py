@@ -204,6 +204,8 @@ class Inclusion(Table):
 def check_inclusions(entries: ValidEntries) -> Iterator[Fault]:
     """Report inclusions in bodies that are not isotropic, and inclusions that overlap."""
     inclusions: tuple[Inclusion, ...] = entries["inclusion"]
+    if inclusions and entries["transient"] is not None and entries["transient"].schedule.shifts:
+        yield Fault("inclusion", "with shifts", "bodies that roll: inclusions pass the contact")
     for k, one in enumerate(inclusions):
         if not isinstance(entries["body"].responses[one.body], Material):
             cure = "a body of young or shear and poisson, without layers or stiffness"
