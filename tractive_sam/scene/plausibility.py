@@ -166,9 +166,10 @@ def read_creepages(scene: Any) -> Iterator[Reading]:
 
 
 def read_speed(scene: Any) -> Iterator[Reading]:
-    """Yield the rolling speed, mm/s."""
+    """Yield the rolling speed, mm/s, unless bodies relax: they may be made to roll slowly."""
     speed = scene.creepage.speed
-    yield Reading("creepage.speed", speed, {"mm": 1e3 * speed})
+    if not scene.body.relaxes:
+        yield Reading("creepage.speed", speed, {"mm": 1e3 * speed})
 
 
 def read_friction(scene: Any) -> Iterator[Reading]:
