@@ -706,6 +706,20 @@ def conformal_grooves() -> str:
     return format_columns(read_rows("conformal_grooves.csv"), columns)
 
 
+def free_ends() -> str:
+    """Return the displacement near a free end over that of a half-space, and by the factor."""
+    columns = {
+        r"$\nu$": ("poisson", number(".1f")),
+        "$d$": ("distance", number(".0f")),
+        "centre, free": ("centre", number(".3f")),
+        "centre, quick": ("quick_centre", number(".3f")),
+        "end, free": ("end", number(".2f")),
+        "end, quick": ("quick_end", number(".2f")),
+        "error of quick at the end, %": ("quick_error", number(".0f")),
+    }
+    return format_columns(read_rows("free_ends.csv"), columns)
+
+
 def steel_rolled() -> str:
     """Return the residual stress that rolling leaves, by depth, for several peak pressures."""
     columns = {
@@ -1212,6 +1226,7 @@ TABLES = {
         conformal_grooves,
         inclusions_spheres,
         inclusions_lift,
+        free_ends,
         steel_rolled,
         steel_case,
         stepping,

@@ -26,6 +26,7 @@ from tractive_sam.mechanics import (
     FallingCoulomb,
     FatemiSocie,
     Findley,
+    FreeEnds,
     FrictionLaw,
     HalfSpaces,
     InterfacialLayer,
@@ -178,7 +179,13 @@ def _elasticity(scene: Scene) -> Elasticity:
     A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
     # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
     datum = radius if 0.0 < radius < math.inf else 0.0
-    if scene.body.is_isotropic:
+    if scene.body.has_ends:
+        ends = [body.ends for body in (scene.body.A, scene.body.B)]
+        widths = [body.width or math.inf for body in (scene.body.A, scene.body.B)]
+        width_A, width_B = (w if end else math.inf for w, end in zip(widths, ends, strict=True))
+        quick = ends[0] == "quick", ends[1] == "quick"
+        bodies = FreeEnds(A, B, (width_A, width_B), quick, datum)
+    elif scene.body.is_isotropic:
         bodies = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     else:
         (of_A, of_B), of_line = scene.body.responses.values(), datum if scene.line else None

@@ -130,6 +130,10 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
     nx, ny = elements or (
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
+    if scene.body.has_ends and not length:  # the faces lie between rows, one row beyond each
+        narrow = min(required(body.width, "body.width") for body in scene.body.rollers)
+        ny = ny if elements else max(ny, 11)
+        half_length = half_length[0], 0.5 * narrow * ny / (ny - 2)
     if nx * ny > MAX_ELEMENTS:
         domain = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
         cure = "half_length and elements, both given: the chosen mesh would have too many elements"
@@ -160,15 +164,16 @@ def _extent_of_roller(
     Tilt and ends widen the contact by up to about a half. Along a roller the pressure changes
     slowly: elements are four times as long as wide there.
     """
-    rollers = [body for body in (scene.body.A, scene.body.B) if body.profile is not None]
-    width = max(required(body.width, "body.width") for body in rollers)
+    widths = [required(body.width, "body.width") for body in scene.body.rollers]
+    width = min(widths) if scene.body.has_ends else max(widths)
     modulus, radius = scene.body.contact_modulus(0.1 * width), scene.body.radii[0]
     if scene.normal_load is None:
         a = math.sqrt(2.0 * radius * required(scene.load.approach, "load.approach"))
     else:
         a = hertz_line(modulus, radius, scene.normal_load / width).a
     dx = 4.0 * a / (ACROSS * finer)
-    return (length[0], length[1]) if length else (1.6 * a, 0.51 * width), (dx, 4.0 * dx)
+    dy = 2.0 * dx if scene.body.has_ends else 4.0 * dx
+    return (length[0], length[1]) if length else (1.6 * a, 0.51 * width), (dx, dy)
 
 
 def _extent_of_gap(

@@ -408,7 +408,8 @@ class Model:
     @cached_property
     def operators(self) -> Operators:
         """Elastic operators on the mesh, dimensionless."""
-        lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
+        grid = self.grid
+        lattice = Lattice(grid.elements, grid.dx, grid.dy, first=float(grid.y[0]))
         pressure, gap, slip = astuple(self.units)
         return operators_of(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
 

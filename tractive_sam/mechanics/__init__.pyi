@@ -42,6 +42,7 @@ from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .frame import full_slip_force as full_slip_force
 from .frame import load_to_carry as load_to_carry
+from .free_ends import FreeEnds as FreeEnds
 from .friction import Bound as Bound
 from .friction import Coulomb as Coulomb
 from .friction import FrictionLaw as FrictionLaw

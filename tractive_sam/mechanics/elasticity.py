@@ -341,6 +341,25 @@ class Elasticity(Law, ABC):
         """Return the law for a mesh of a length in x, mm, as strips need; default: this law."""
         return self
 
+    def ends_on(self, shape: tuple[int, int], dx: float, dy: float, first: float) -> Any:
+        """Return what ends of the bodies add to the normal displacement on a mesh; default: None.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Elements (n_x, n_y).
+        dx, dy : float
+            Sides of an element, mm.
+        first : float
+            Position y of the middle of the first row, mm.
+
+        Returns
+        -------
+        mechanics.free_ends.EndResponse or None
+            Map from pressure to displacement, mm/MPa; None for bodies without ends.
+        """
+        return None
+
     def single_body(self, body: str) -> "Elasticity":
         """Return the elasticity of body "A" or "B" against a rigid one; default: ValueError.
 
@@ -658,6 +677,10 @@ class InterfacialLayer(Elasticity):
     def spanning(self, length: float) -> "InterfacialLayer":
         """Return bodies and layer for a mesh of the given length in x, mm."""
         return InterfacialLayer(self.bodies.spanning(length), self.compliance)
+
+    def ends_on(self, shape: tuple[int, int], dx: float, dy: float, first: float) -> Any:
+        """Return what the ends of the bodies add, as `Elasticity.ends_on`; the layer adds none."""
+        return self.bodies.ends_on(shape, dx, dy, first)
 
     def single_body(self, body: str) -> Elasticity:
         """Return the elasticity of one body, "A" or "B", without layer, for the stress in it."""

@@ -67,6 +67,8 @@ class Lattice:
         on their periodic images.
     mirror : Mirror, optional
         Symmetry of all fields; the lattice then has their upper half.
+    first : float
+        Position y of the middle of the first row, mm; used for bodies with ends only.
     """
 
     shape: tuple[int, int]
@@ -74,6 +76,7 @@ class Lattice:
     dy: float
     reach: float = 1.0
     mirror: Mirror | None = None
+    first: float = 0.0
 
     def with_shape(self, shape: tuple[int, int]) -> "Lattice":
         """Return a lattice with these element sizes and another number of elements."""
@@ -310,6 +313,8 @@ class Operators:
         Units of gap and of slip over the unit of pressure, g*/p*, mm/MPa, and s*/p*, 1/MPa.
     frame : Frame
         Scaled tribological frame.
+    ends : EndResponse, optional
+        What ends of the bodies add (`Elasticity.ends_on`).
     """
 
     def __init__(
@@ -319,6 +324,7 @@ class Operators:
         gap: float,
         slip: float,
         frame: Frame | None = None,
+        ends: Any = None,
     ):
         self.lattice = lattice
         self.elasticity = elasticity
@@ -326,16 +332,18 @@ class Operators:
         self._per_gap, self._per_dx = 1.0 / gap, 1.0 / (slip * lattice.dx)
         self._units = gap, slip
         self._displacement = partial(transform_displacement, lattice, elasticity)
-        self.frame = frame or Frame()
+        self.frame, self.ends = frame or Frame(), ends
 
-    def on(self, lattice: Lattice) -> "Operators":
+    def on(self, lattice: Lattice, ends: Any = None) -> "Operators":
         """Return the operators of these bodies and units on another lattice."""
-        return Operators(lattice, self.elasticity, *self._units, self.frame)
+        return Operators(lattice, self.elasticity, *self._units, self.frame, ends)
 
     @cached_property
     def coarsened(self) -> "Operators":
         """Operators of these bodies and units on elements of twice the size."""
-        return self.on(self.lattice.coarsened())
+        coarse = self.lattice.coarsened()
+        ends = self.ends and self.ends.coarsened(coarse.shape, self.lattice.coarsening)
+        return self.on(coarse, ends)
 
     @cached_property
     def approximate(self) -> "Operators":
@@ -345,20 +353,34 @@ class Operators:
         of the mesh, where kernels are small and smooth. A reach of 0.35 takes more iterations. The
         memory of bodies that relax may be longer than the mesh: theirs are the operators.
         """
-        return self.on(replace(self.lattice, reach=0.4)) if self.elasticity.symmetric else self
+        if not self.elasticity.symmetric:
+            return self
+        return self.on(replace(self.lattice, reach=0.4), self.ends)
 
     @cached_property
     def part(self) -> Callable[..., "Operators"]:
         """Function that returns the operators on a lattice of another shape (n_x, n_y).
 
-        With a `Mirror` as second argument they apply to the upper half of symmetric fields.
+        With a `Mirror` as second argument they apply to the upper half of symmetric fields. Ends of
+        bodies need the first row as well.
         """
         # Without a reference to these operators: a cache of theirs would hold itself.
         lattice, bodies = self.lattice, (self.elasticity, *self._units, self.frame)
+        whole = self.ends
 
         @lru_cache(8)
-        def on_part(shape: tuple[int, int], mirror: Mirror | None = lattice.mirror) -> Operators:
-            return Operators(replace(lattice, shape=shape, mirror=mirror), *bodies)
+        def stored(shape: tuple[int, int], mirror: Mirror | None, first: int) -> Operators:
+            ends = None
+            if whole is not None:
+                folds = mirror is not None and lattice.mirror is None
+                folded = lattice.shape[1] - 1 if folds else None
+                ends = whole.part(shape[0], slice(first, first + shape[1]), folded)
+            return Operators(replace(lattice, shape=shape, mirror=mirror), *bodies, ends)
+
+        def on_part(
+            shape: tuple[int, int], mirror: Mirror | None = lattice.mirror, first: int | None = 0
+        ) -> Operators:
+            return stored(shape, mirror, 0 if whole is None else first or 0)
 
         return on_part
 
@@ -437,7 +459,7 @@ class Operators:
     @cached_property
     def normal(self) -> Convolution:
         """Operator A_nn from pressure to normal displacement, dimensionless."""
-        return self._convolution([self._normal_spectrum()])
+        return self._near_ends(self._convolution([self._normal_spectrum()]))
 
     @cached_property
     def normal_inverse(self) -> Convolution:
@@ -549,7 +571,26 @@ class Operators:
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t21, t22)
-        return self._convolution([row + 0j for row in rows])
+        return self._near_ends(self._convolution([row + 0j for row in rows]))
+
+    def _near_ends(self, bodies: Convolution) -> Convolution:
+        """Return the operator of half-spaces, with what ends add to its first field."""
+        return bodies if self.ends is None else _NearEnds(bodies, self.ends, self._per_gap)
+
+
+class _NearEnds(Convolution):
+    """Convolution of fields that begin with a pressure, and what ends of the bodies add."""
+
+    def __init__(self, bodies: Convolution, ends: Any, scale: float):
+        vars(self).update(vars(bodies))
+        self._bodies, self._ends, self._scale = bodies, ends, scale
+
+    def _convolve(self, backend: Any, fields: Array, spectra: Any) -> Array:
+        """Return the convolution of fields with spectra, and the displacement by ends."""
+        moved = self._bodies._convolve(backend, fields, spectra)
+        added = self._scale * self._ends(backend.to_numpy(fields[0, ...]))
+        moved[0, ...] += backend.xp.asarray(added, dtype=moved.dtype)
+        return moved
 
 
 _stored_operators = lru_cache(4)(Operators)
@@ -561,7 +602,9 @@ def operators_of(
     """Return `Operators`; many contacts of the same bodies on a small mesh share them."""
     # Four with all that they compute take up to 80 MiB.
     stored = _may_be_stored(lattice, elasticity, 2**16)
-    return (_stored_operators if stored else Operators)(lattice, elasticity, gap, slip, frame)
+    ends = elasticity.ends_on(lattice.shape, lattice.dx, lattice.dy, lattice.first)
+    parts = lattice, elasticity, gap, slip, frame
+    return _stored_operators(*parts) if stored else Operators(*parts, ends)
 
 
 class _FourKernels(Convolution):

@@ -332,6 +332,8 @@ _SCALARS = (
              attrgetter("My"), symbol="M_y", needs=("body.relaxes",), per_length=True),
     Quantity("tilt", "mrad", "angle between the axes of the rollers; their distance grows with y",
              attrgetter("tilt"), symbol=r"\theta", needs=("body.has_roller",)),
+    Quantity("end_load", "N", "load within a twentieth of the width of the free ends",
+             attrgetter("end_load"), symbol="P_e", needs=("body.has_ends",)),
     Quantity("Qx_over_P", "1", "longitudinal force over normal load",
              partial(_over_load, "Qx"), symbol="Q_x/P", format=".4f"),
     Quantity("Qy_over_P", "1", "lateral force over normal load",

@@ -517,6 +517,13 @@ class State:
         lateral, normal = patch.force(x[:, None], y[None, :], self.pressure, self.traction)
         return lateral * self.grid.element_area, normal * self.grid.element_area
 
+    @cached_property
+    def end_load(self) -> float:
+        """Load within a twentieth of the width of the free ends of the narrower body, N."""
+        width = min(body.width or math.inf for body in self.scene.body.rollers)
+        rows = (np.abs(self.grid.y) - 0.45 * width) / self.grid.dy + 0.5
+        return self._integral(self.pressure.sum(axis=0) @ np.clip(rows, 0.0, 1.0))
+
     @property
     def p_max(self) -> float:
         """Peak contact pressure of an element, MPa."""

@@ -57,7 +57,7 @@ from .layers import (
     layered_contact,
     relaxing,
 )
-from .roller import RollerProfile
+from .roller import RollerProfile, describe_rollers
 from .steel import Strength, check_strength_of_bodies, find_surface_strength
 from .tables import Load, check_distinct
 
@@ -259,8 +259,12 @@ class Body(Table):
         default=1.0,
     )
     width: Positive | None = optional(
-        "lateral width, mm, centred at y = 0; edges are not modelled, but a note is printed if "
-        "the contact is near an edge"
+        "lateral width, mm, centred at y = 0; without ends, its edges are not modelled, but a note "
+        "is printed if the contact is near an edge"
+    )
+    ends: Literal["free", "quick"] | None = optional(
+        'ends of a body of this width: "free", without traction, or "quick", by a factor on mirror '
+        "images of the pressure; without it, material beyond the ends counts as half-space"
     )
     profile: InnerTable[RollerProfile | None] = optional(
         "profile of a roller across the track: a table, the name of a form, or a text file with "
@@ -285,6 +289,11 @@ class Body(Table):
         max_length=100,
     )
     checks: ClassVar[tuple[Check, ...]] = (check_constants, check_layers, check_relaxation)
+
+    @property
+    def shape(self) -> RollerProfile:
+        """Profile of a roller; straight without one."""
+        return self.profile or RollerProfile(form="points", y=(-1.0, 0.0, 1.0), depth=(0.0,) * 3)
 
     @property
     def material(self) -> Material:
@@ -357,17 +366,7 @@ class Bodies(Table):
             modulus = self.contact_modulus(contact.mean_semi_axis, scene.creepage.speed)
             text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
             yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
-        for name, body in (("A", self.A), ("B", self.B)):
-            if body.profile is not None:
-                kept = {
-                    k: v for k, v in body.profile.entries().items() if k not in ("y", "heights")
-                }
-                text = ", ".join(f"{key} = {value}" for key, value in kept.items())
-                tilt = f"; tilt {scene.load.tilt:g} mrad" if scene.load.tilt else ""
-                if scene.load.moment is not None:
-                    tilt = f"; tilt found for the moment {scene.load.moment:g} N mm"
-                ends = "material beyond the ends counts as half-space"
-                yield Row(f"roller {name}", f"width {body.width:g} mm, {text}{tilt}; {ends}")
+        yield from describe_rollers(self, scene)
         pair, (radius_x, radius_y) = self.material, self.radii
         if self.is_isotropic:
             yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
@@ -445,8 +444,18 @@ class Bodies(Table):
 
     @property
     def has_roller(self) -> bool:
-        """Whether a body has a profile."""
-        return self.A.profile is not None or self.B.profile is not None
+        """Whether a body has a profile or ends."""
+        return bool(self.rollers)
+
+    @property
+    def rollers(self) -> list[Body]:
+        """Bodies that have a profile or ends."""
+        return [body for body in (self.A, self.B) if body.profile is not None or body.ends]
+
+    @property
+    def has_ends(self) -> bool:
+        """Whether a body has ends that are modelled."""
+        return self.A.ends is not None or self.B.ends is not None
 
     @property
     def infinitely_long(self) -> bool:

@@ -209,7 +209,7 @@ def read_width_ratios(scene: Any, width: float) -> Iterator[Reading]:
     """Yield the width of a contact, mm, over the width of each body; none for bodies without."""
     for name, body in (("A", scene.body.A), ("B", scene.body.B)):
         # The contact of a roller with a profile ends within it.
-        if body.width is not None and body.profile is None:
+        if body.width is not None and body.profile is None and not body.ends:
             details = {"width": width, "name": name, "body": body.width}
             yield Reading("body", width / body.width, details)
 

@@ -21,6 +21,7 @@ from tractive_sam.schema import (
     NotNegative,
     Positive,
     Real,
+    Row,
     SceneError,
     Table,
     ValidEntries,
@@ -203,12 +204,14 @@ def add_roller_gap(tables: Mapping[Any, Any], bodies: Any, load: Any) -> Mapping
     """
     body = _to_dict(tables.get("body"))
     each = {name: _to_dict(body.get(name)) for name in "AB"}
-    profiles = [name for name in "AB" if each[name].get("profile") is not None]
-    if not profiles:
+    keys = [(name, key) for key in ("profile", "ends") for name in "AB" if each[name].get(key)]
+    if not keys:
         return tables
     if tables.get("gap") is not None:
-        cure = f"[gap] or body.{profiles[0]}.profile, not both: add their depths in [gap]"
-        raise SceneError([Fault("gap", f"with body.{profiles[0]}.profile", cure)])
+        key = ".".join(("body", *keys[0]))
+        cure = f"[gap] or {key}, not both: give the depths of [gap] as body.A.profile"
+        raise SceneError([Fault("gap", f"with {key}", cure)])
+    profiles = [name for name, key in keys if key == "profile"]
     normal = _to_dict(tables.get("load")).get("normal")
     for name in profiles:
         profile = _to_dict(each[name]["profile"])
@@ -224,8 +227,8 @@ def add_roller_gap(tables: Mapping[Any, Any], bodies: Any, load: Any) -> Mapping
     except (SceneError, TypeError):
         return tables  # the faults are reported when the tables are read
     tables["body"] = pair.entries()
-    if not all(_is_complete(body) for body in (pair.A, pair.B) if body.profile is not None):
-        return tables  # see `check_roller`
+    if not all(map(_is_complete, pair.rollers)):
+        return tables  # see `check_roller` and `check_ends`
     y, separation = _find_separation(pair, loaded.tilt or 0.0)
     return {**tables, "gap": {"y": y, "separation": separation, "profile": "y"}}
 
@@ -239,7 +242,7 @@ def _to_dict(table: Any) -> dict[Any, Any]:
 
 def _is_complete(body: Any) -> bool:
     """Return whether a roller has a width that its profile fits, and a load for which it is."""
-    profile, width = body.profile, body.width or 0.0
+    profile, width = body.shape, body.width or 0.0
     fits = profile.flat < width - 2.0 * profile.chamfer
     return fits and not (profile.form == "logarithmic" and profile.load is None)
 
@@ -248,10 +251,10 @@ def _find_separation(
     pair: Any, tilt: float, samples: int = 801
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return positions across the track and the separation of profiles and tilt there, mm."""
-    rollers = [body for body in (pair.A, pair.B) if body.profile is not None]
+    rollers = [(body, body.shape) for body in pair.rollers]
     places = []
-    for body in rollers:
-        half = 0.5 * body.width - body.profile.chamfer
+    for body, profile in rollers:
+        half = 0.5 * body.width - profile.chamfer
         # Denser towards the ends; then the chamfer, or what would be beyond the end.
         inside = half * np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, samples))
         beyond = half + 0.5 * body.width * np.linspace(0.0, 1.0, 26)[1:] ** 2
@@ -259,13 +262,68 @@ def _find_separation(
     y = np.unique(np.concatenate(places))
     y = y[np.append(True, np.diff(y) > 1e-9 * y[-1])]
     separation = 1e-3 * tilt * y
-    for body in rollers:
-        length = body.width - 2.0 * body.profile.chamfer
+    for body, profile in rollers:
+        length = body.width - 2.0 * profile.chamfer
         modulus = pair.contact_modulus(length)  # over the length of the roller
-        amplitude = (body.profile.load or 0.0) / (math.pi * length * modulus)
+        amplitude = (profile.load or 0.0) / (math.pi * length * modulus)
         chamfer = np.maximum(np.abs(y) - 0.5 * length, 0.0)
-        separation = separation + body.profile.depth_at(y, length, amplitude) + chamfer
+        if body.ends:  # nothing touches beyond them
+            chamfer += 1e3 * np.maximum(np.abs(y) - 0.5 * body.width, 0.0)
+        separation = separation + profile.depth_at(y, length, amplitude) + chamfer
     return y, separation
+
+
+def describe_rollers(pair: Any, scene: Any) -> Iterator[Row]:
+    """Yield report rows: profile and tilt of rollers, how ends are modelled, and what follows."""
+    for name, body in (("A", pair.A), ("B", pair.B)):
+        if body in pair.rollers:
+            kept = {} if body.profile is None else body.profile.entries()
+            kept = {k: v for k, v in kept.items() if k not in ("y", "heights")}
+            text = ", ".join(f"{key} = {value}" for key, value in kept.items()) or "straight"
+            tilt = f"; tilt {scene.load.tilt:g} mrad" if scene.load.tilt else ""
+            if scene.load.moment is not None:
+                tilt = f"; tilt found for the moment {scene.load.moment:g} N mm"
+            ends = "" if body.ends else "; material beyond the ends counts as half-space"
+            yield Row(f"roller {name}", f"width {body.width:g} mm, {text}{tilt}{ends}")
+    widths = [body.width for body in (pair.A, pair.B) if body.ends]
+    for name, body in (("A", pair.A), ("B", pair.B)):
+        if body.ends:
+            how = "no traction on the faces" if body.ends == "free" else "a factor on mirror images"
+            text = f"{how} at y = +-{0.5 * body.width:g} mm; they act on pressure, tractions act "
+            yield Row(f"ends of {name}", text + "as on half-spaces")
+    if widths and (len(widths) == 1 or widths[0] != widths[1]):
+        text = "without limit where the other body continues beyond a sharp end: p_max grows with "
+        yield Row("edge pressure", text + "finer meshes; use p_95, or end_load")
+
+
+def check_ends(entries: ValidEntries) -> Iterator[Fault]:
+    """Report ends of a body without width, and what is not computed near ends."""
+    names = [name for name in "AB" if entries[f"body.{name}.ends"] is not None]
+    if not names:
+        return
+    key, inf = f"body.{names[0]}.ends", math.inf
+    for name in names:
+        if entries[f"body.{name}.width"] is None:
+            yield Fault(f"body.{name}.width", "nothing, with ends", "the width of the body, mm")
+    for name in "AB":
+        body = entries[f"body.{name}"]
+        if body.profile is None and body.radius_y != inf:
+            cure = 'inf; a crown as profile = { form = "crowned", radius = ... }'
+            yield Fault(f"body.{name}.radius_y", f"{body.radius_y:g}, with {key}", cure)
+        for part in ("layer", "stiffness", "relaxation"):
+            if getattr(body, part):
+                cure = "an elastic, isotropic body without layers: no other faces are solved for"
+                yield Fault(f"body.{name}.{part}", f"with {key}", cure)
+    stress = "nothing: the stress in the bodies is that of half-spaces, wrong near ends"
+    reasons = dict.fromkeys(("subsurface", "fatigue", "residual", "inclusion"), stress) | {
+        "transient": "nothing: the steps of a transient are those of half-spaces",
+        "wheelset": "nothing: wheel and rail have no ends near their patch",
+        "conformal": "nothing: ends are those of cylinders, with radius_y = inf",
+        "elasticity": "nothing: a law of another package knows no ends",
+    }
+    yield from (
+        Fault(table, f"with {key}", reason) for table, reason in reasons.items() if entries[table]
+    )
 
 
 def check_roller(entries: ValidEntries) -> Iterator[Fault]:
@@ -295,10 +353,14 @@ def check_roller(entries: ValidEntries) -> Iterator[Fault]:
 
 def check_tilt(entries: ValidEntries) -> Iterator[Fault]:
     """Report a tilt or a moment without a roller, and a moment that no tilt gives."""
-    profiles = {name: entries[f"body.{name}.profile"] for name in "AB"}
+    rollers = {
+        name: entries[f"body.{name}.width"]
+        for name in "AB"
+        if entries[f"body.{name}.profile"] is not None or entries[f"body.{name}.ends"] is not None
+    }
     for key in ("load.tilt", "load.moment"):
-        if entries[key] is not None and all(profile is None for profile in profiles.values()):
-            cure = "only with body.A.profile or body.B.profile; for other bodies, tilt their [gap]"
+        if entries[key] is not None and not rollers:
+            cure = "only with body.A.profile or body.A.ends; for other bodies, tilt their [gap]"
             yield Fault(key, shorten(entries[key]), cure)
     moment, normal = entries["load.moment"], entries["load.normal"]
     if moment is None:
@@ -307,9 +369,8 @@ def check_tilt(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("load.normal", "nothing, with load.moment", "a number above 0, N")
     if entries["transient"] is not None:
         yield Fault("load.moment", "with [transient]", "load.tilt: a transient finds no tilt")
-    widths = [entries[f"body.{name}.width"] for name in "AB" if profiles[name] is not None]
-    if normal is not None and widths and None not in widths:
-        most = 0.5 * min(widths) * normal
+    if normal is not None and rollers and None not in rollers.values():
+        most = 0.5 * min(rollers.values()) * normal
         if abs(moment) >= most:
             cure = f"less than {most:.6g} N mm, the load at the end of the roller"
             yield Fault("load.moment", shorten(moment), cure)

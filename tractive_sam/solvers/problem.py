@@ -60,7 +60,8 @@ class NormalProblem:
     def within(self, box: Box) -> "NormalProblem":
         """Return the problem restricted to a rectangle (box) of elements."""
         gap = np.ascontiguousarray(self.gap[box])
-        return replace(self, operators=self.operators.part(gap.shape), gap=gap)
+        operators = self.operators.part(gap.shape, first=box[1].start)
+        return replace(self, operators=operators, gap=gap)
 
     def coarsened(self) -> "NormalProblem":
         """Return the problem on a mesh of elements of twice the size."""
@@ -261,7 +262,8 @@ class Problem:
         pressure, gap = (
             np.ascontiguousarray(field[box]) for field in (normal.pressure, normal.gap)
         )
-        return self._on(box, FixedPressure(self.operators.part(pressure.shape), pressure, gap))
+        operators = self.operators.part(pressure.shape, first=box[1].start)
+        return self._on(box, FixedPressure(operators, pressure, gap))
 
     def _on(self, box: Box, normal: NormalProblem | FixedPressure) -> Self:
         """Return the problem on a box of elements, with the normal block there."""
@@ -318,7 +320,7 @@ class Problem:
         box = slice(None), slice(ny // 2, None)
         half = replace(
             normal,
-            operators=self.operators.part((nx, ny - ny // 2), mirror),
+            operators=self.operators.part((nx, ny - ny // 2), mirror, ny // 2),
             gap=np.ascontiguousarray(normal.gap[box]),
             load=None if normal.load is None else 0.5 * normal.load,
         )
