@@ -366,47 +366,107 @@ def _split(
     return parities, harmonics
 
 
-@lru_cache(24)
 def _coefficients(
     law: AnisotropicHalfSpaces, part: str, offsets: tuple[int, int], dx: float, dy: float
 ) -> np.ndarray:
     """Return influence coefficients (`Elasticity.coefficients`); the last ones are stored."""
     parities, harmonics = _split(law, part[:2])
-    c, (even_x, even_y) = harmonics[part], parities[part]
+    table = np.zeros(offsets)
     if law.datum is not None:
-        table, x = np.zeros(offsets), dx * np.arange(offsets[0])
+        x, (even_x, _) = dx * np.arange(offsets[0]), parities[part]
         odd = even_x < 0
         line = integrate_sign(x, dx) if odd else integrate_logarithm(x, dx, law.datum)
-        table[:, 0] = c.sum().real * line
-    else:
-        # Integrals from 0 to x and from 0 to y at the corners of elements: in polar coordinates
-        # over r to the sides, x/cos phi and y/sin phi. With the complement of phi, the second is of
-        # the form of the first. By parity at corners beyond the axes.
-        x, y = (side * (np.arange(n) + 0.5) for side, n in zip((dx, dy), offsets, strict=True))
-        x, turned = x[:, None], (c * 1j ** np.arange(len(c))).conj()
-        values = x * _integrate_over_cosine(c, x, y) + y * _integrate_over_cosine(turned, y, x)
-        values = np.concatenate((-even_x * values[:1], values))
-        values = np.concatenate((-even_y * values[:, :1], values), axis=1)
-        table = np.diff(np.diff(values, axis=0), axis=1)
+        table[:, 0] = harmonics[part].sum().real * line
+    elif harmonics[part].any():
+        # Slip needs one more offset along x than displacement: from the same integrals.
+        longer = offsets[0] + offsets[0] % 2, offsets[1]
+        table = _integrate_elements(law, longer, dx, dy)[part][: offsets[0]]
     if len(part) == 2 and law.images[1].any():
-        other = LinearHalfSpaces.coefficients(law, part, offsets, dx, dy)
-        table = table + other
+        table = table + LinearHalfSpaces.coefficients(law, part, offsets, dx, dy)
     return table
 
 
-def _integrate_over_cosine(c: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return the integral of Re sum of c_n exp(i n phi) / cos phi from 0 to the angle of (x, y).
+@lru_cache(2)
+def _integrate_elements(
+    law: AnisotropicHalfSpaces, offsets: tuple[int, int], dx: float, dy: float
+) -> dict[str, np.ndarray]:
+    """Return the displacement by a unit traction on an element, of all parts that are not zero."""
+    parities, spline, *factors = _integrate_corners(law)
+    x, y = (side * (np.arange(n) + 0.5) for side, n in zip((dx, dy), offsets, strict=True))
+    x, r = x[:, None], np.hypot(x[:, None], y)
+    ends = x * np.arcsinh(y / x), y * np.arcsinh(x / y), x * np.log(r / x), y * np.log(r / y)
+    corners = np.moveaxis(spline(np.arctan2(y, x)), 2, 0) * r
+    tables = {}
+    for (name, (even_x, even_y)), smooth, *weights in zip(
+        parities.items(), corners, *factors, strict=True
+    ):
+        each = [weight * end for weight, end in zip(weights, ends, strict=True) if weight]
+        values = sum(each, start=smooth)
+        # By parity at corners beyond the axes.
+        values = np.concatenate((-even_x * values[:1], values))
+        values = np.concatenate((-even_y * values[:, :1], values), axis=1)
+        tables[name] = np.diff(np.diff(values, axis=0), axis=1)
+    return tables
+
+
+@lru_cache(16)
+def _integrate_corners(law: AnisotropicHalfSpaces) -> tuple[Any, ...]:
+    """Return integrals of the displacement by a unit force from 0 to x and from 0 to y.
+
+    They are, in polar coordinates, integrals over r to the sides, x/cos phi and y/sin phi:
+    x int h/cos + y int h/sin. With the complement of phi, the second is of the form of the first.
+    Over r, all but logarithms is a smooth function of phi; a spline has it to rounding.
+
+    Returns
+    -------
+    parities : dict
+        Parity in x and y by the name of each part that is not zero.
+    spline : callable
+        The smooth part over r, of angles, with all parts along the last axis.
+    factors : four of ndarray
+        Factors of x asinh(y/x), y asinh(x/y), x log(r/x) and y log(r/y).
+    """
+    split = [_split(law, k) for k in PARITIES if law.coupled or k == "zz" or k[1] != "z"]
+    harmonics = {name: c for _, of in split for name, c in of.items() if c.any()}
+    parities = {name: of[name] for of, _ in split for name in of if name in harmonics}
+    c = np.stack([harmonics[name] for name in parities], axis=1)
+    n = np.arange(len(c))
+    t = np.linspace(0.0, 0.5 * np.pi, max(2049, 32 * len(c) + 1))
+    waves = np.exp(1j * np.outer(t, n))
+    first, (over_x, log_x) = _integrate_over_cosine(c, t, waves)
+    turned = (c * 1j ** n[:, None]).conj()
+    second, (over_y, log_y) = _integrate_over_cosine(turned, t, waves)
+    smooth = np.cos(t)[:, None] * first + np.sin(t)[:, None] * second[::-1]
+    spline = scipy.interpolate.make_interp_spline(t, smooth, k=5)
+    return parities, spline, over_x.real, over_y.real, -log_x.imag, -log_y.imag
+
+
+def _integrate_over_cosine(
+    c: np.ndarray, t: np.ndarray, waves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the integral of Re sum of c_n exp(i n phi) / cos phi from 0 to angles t.
 
     exp(i n phi) = 2 cos phi exp(i (n - 1) phi) - exp(i (n - 2) phi) leaves the integrals of
     1/cos phi and of exp(i phi)/cos phi.
+
+    Parameters
+    ----------
+    c : ndarray of complex, shape (n, m)
+        Harmonics of m functions.
+    t : ndarray, shape (k,)
+        Angles.
+    waves : ndarray, shape (k, n)
+        exp(i n t).
+
+    Returns
+    -------
+    smooth : ndarray, shape (k, m)
+        The integral without logarithms.
+    ends : ndarray of complex, shape (2, m)
+        Factors of the integrals of 1/cos phi, with its real part, and tan phi, with -imaginary.
     """
     c, d = c.copy(), np.zeros_like(c)
     for n in range(len(c) - 1, 1, -1):
         d[n - 1] += 2.0 * c[n] / (1j * (n - 1))
         c[n - 2] -= c[n]
-    angle = np.arctan2(y, x)
-    first = 1 if d[1::2].any() else 0
-    wave = np.exp(1j * angle)
-    total = np.polynomial.polynomial.polyval(wave * wave, d[first::2]) * wave**first - d.sum()
-    total = total.real + c[0].real * np.arcsinh(y / x)
-    return total + (c[1] * (angle + 1j * np.log(np.hypot(x, y) / x))).real
+    return (waves @ d - d.sum(axis=0)).real + np.outer(t, c[1].real), c[:2]
