@@ -30,13 +30,17 @@ class SteadyBalance:
     rounding = 1e-12
     """Share of the terms of a sum that its rounding may reach."""
 
-    dissipated: ClassVar[str] = "friction dissipates"
-    """Quantity that the energy balance compares with the supplied work."""
     worn: ClassVar[str] = "section"
     """Quantity that the wear balance compares with the wear that the work of friction causes."""
 
     def __init__(self, history: HistoryData):
         self.history = history
+
+    @property
+    def dissipated(self) -> str:
+        """Quantity that the energy balance compares with the supplied work."""
+        relaxes = self.history.scene.has("body.relaxes")
+        return "friction and the bodies dissipate" if relaxes else "friction dissipates"
 
     @property
     def energy(self) -> np.ndarray:
@@ -84,7 +88,7 @@ class SteadyBalance:
 
     def _wear_per_work_of(self, scene: Scene) -> tuple[float, float] | None:
         """Return the wear depth per frictional work of one block; None if not constant."""
-        replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
+        replaced = not {"friction", "wear", UNNAMED}.isdisjoint(self.history.law_records)
         friction, wear = scene.friction, scene.wear
         if friction is None or wear is None or replaced or friction.varies:
             return None
@@ -106,8 +110,12 @@ class SteadyBalance:
 class StepBalance(SteadyBalance):
     """Balances of work and wear in the steps of a transient, which store elastic energy."""
 
-    dissipated = "friction dissipates and the bodies store"
     worn = "volume"
+
+    @property
+    def dissipated(self) -> str:
+        """Quantity that the energy balance compares with the supplied work."""
+        return "friction dissipates and the bodies store"
 
     @property
     def energy(self) -> np.ndarray:
