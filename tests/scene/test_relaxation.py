@@ -47,6 +47,12 @@ def test_relaxation_of_a_wheel_is_refused():
         wheel.replace(**{"body.B.relaxation": [TERM]})
 
 
+def test_tables_scale_elastic_contacts_only():
+    scene = SCENE.replace(**{"body.B.radius_y": 100.0})
+    with pytest.raises(ts.TableError, match=r"scene\.body"):
+        ts.TableDesign(scene=scene, axis=[{"key": "friction.mu", "values": [0.3, 0.5]}])
+
+
 def test_relaxation_in_toml_and_by_key():
     assert ts.Scene.from_toml_text(SCENE.to_toml()) == SCENE
     slower = SCENE.with_set(["body.A.relaxation[0].time=0.02"])

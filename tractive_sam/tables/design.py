@@ -596,6 +596,9 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
     if scene.hertz is None or scene.body.infinitely_long:
         yield Fault("scene.body", "no contact of Hertz", "radii that close in x and y")
+    if scene.body.relaxes:
+        cure = "elastic bodies: forces of bodies that relax do not scale with load and creepage"
+        yield Fault("scene.body", "a body that relaxes", cure)
 
 
 class TableDesign(TomlTable):
