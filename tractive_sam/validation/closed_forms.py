@@ -1,4 +1,4 @@
-"""Contacts and stresses with closed forms: Hertz, Carter, Cattaneo, Bentall and Johnson, Spence."""
+"""Contacts and stresses with closed forms: Hertz, Carter, Cattaneo, Johnson, Spence, Eshelby."""
 
 import math
 from collections.abc import Iterator
@@ -10,6 +10,7 @@ from scipy.special import ellipe, ellipk, elliprd
 
 import tractive_sam as ts
 from tractive_sam.reference import HertzContact, HertzLine
+from tractive_sam.subsurface import InclusionGroup
 from tractive_sam.validation.comparison import Comparison, PublishedSet, compare
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
@@ -194,6 +195,29 @@ def stress_below_circle(poisson: float) -> Iterator[Comparison]:
     yield compare("depth over a", z[place], top.at[2] / hertz.a, 2e-2)
 
 
+def sphere_in_tension(young: float, poisson: float) -> Iterator[Comparison]:
+    """Eshelby: stress in a sphere far below the surface of steel under uniaxial tension.
+
+    The part of a tension that changes the volume and the part that changes the shape of the sphere
+    follow from the tensor of a sphere; both sums are over the moduli of sphere and steel.
+    """
+    shear, nu = 80e3, 0.3
+    radii, at = (1.0, 1.0, 1.0), (0.0, 0.0, 1e3)
+    ball = ts.Inclusion(at=at, radii=radii, cells=15, young=young, poisson=poisson)
+    group = InclusionGroup([ball], shear, nu)
+    tension = np.zeros((6, *group.box.shape))
+    tension[2] = 1.0
+    strain, own = group.solve(np.tensordot(np.linalg.inv(group.stiffness), tension, 1))
+    stress = np.tensordot(group.stiffness, strain - own, 1)[:, 7, 7, 7]
+    alpha, beta = (1 + nu) / (3 * (1 - nu)), 2 * (4 - 5 * nu) / (15 * (1 - nu))
+    bulk = young / (3 * (1 - 2 * poisson)) / (2 * shear * (1 + nu) / (3 * (1 - 2 * nu)))
+    rigid = young / (2 * (1 + poisson)) / shear
+    mean = bulk / (1 + alpha * (bulk - 1)) / 3
+    deviatoric = rigid / (1 + beta * (rigid - 1)) * 2 / 3
+    yield compare("stress along the tension", mean + deviatoric, stress[2], 2e-3)
+    yield compare("stress across it", mean - 0.5 * deviatoric, stress[0], 2e-3, 1.0)
+
+
 MESH = "the mesh: {} elements across the contact, of second order".format
 HERTZ = "Hertz 1881; Johnson 1985, Contact Mechanics, ch. 4"
 STRESS = "Huber 1904; Johnson 1985, (3.45)"
@@ -239,6 +263,20 @@ SETS = (
             partial(full_slip, angle),
         )
         for angle in (0.0, 30.0, 45.0, 60.0, 90.0)
+    ),
+    *(
+        PublishedSet(
+            f"{name} in steel under tension",
+            "Eshelby 1957, Proc. R. Soc. A 241, 376",
+            partial(sphere_in_tension, young, poisson),
+            "the cells: 15 across the sphere",
+            quick=young == 389e3,
+        )
+        for name, young, poisson in (
+            ("Sphere of alumina", 389e3, 0.25),
+            ("Sphere of titanium nitride", 380e3, 0.25),
+            ("Sphere of manganese sulphide", 138e3, 0.3),
+        )
     ),
     PublishedSet(
         "Full slip by spin alone", "Integral of mu p r over the circle", spin_moment, "the mesh"
