@@ -14,6 +14,7 @@ from tractive_sam.mechanics import CurvedPatch, HalfSpaces, Material
 from tractive_sam.mechanics.conformal import _differences
 from tractive_sam.mechanics.elasticity import PARITIES
 from tractive_sam.schema import PlausibilityWarning, SceneWarning
+from tractive_sam.studies import cases
 
 INF = float("inf")
 STEEL = {"young": 208e3, "poisson": 0.3}
@@ -356,10 +357,19 @@ def test_notes_explanation_and_figure():
 
 
 def test_wear_resumes(tmp_path):
-    wear = {"coefficient": 1e-4, "revolutions": 4, "save": [2, 4], "turns": "each"}
+    wear = {"coefficient": 1e-3, "revolutions": 4, "save": [2, 4], "turns": "each"}
     scene = GROOVE.replace(wear=wear, **{"grid.elements": [9, 15]})
-    complete = ts.roll(scene)
-    path = tmp_path / "groove.h5"
+    complete, path = ts.roll(scene), tmp_path / "groove.h5"
     ts.roll(scene.replace(**{"wear.revolutions": 2, "wear.save": [2]}), path)
-    assert complete["Fz"][-1] == pytest.approx(2000.0, rel=1e-5)
-    assert complete["p_max"][-1] != complete["p_max"][0]
+    resumed = ts.roll(scene, path, resume=True)
+    for name in ("p_max", "approach", "Fz", "wear_max"):
+        np.testing.assert_array_equal(resumed[name], complete[name])
+    assert complete["Fz"] == pytest.approx(2000.0, rel=1e-5)  # the tolerance of wear
+    assert complete["wear_max"][-1] > 0.0
+
+
+def test_study_of_the_clearance():
+    base = GROOVE.replace(**{"friction": None, "creepage": None, "grid.elements": [9, 15]})
+    design = {"scene": base.entries(), "axis": [{"key": "body.B.radius_y", "values": [-5.4, -5.1]}]}
+    wide, tight = (ts.solve(case.scene) for case in cases(ts.Study(**design)))
+    assert tight.half_width_y > wide.half_width_y

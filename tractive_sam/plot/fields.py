@@ -251,8 +251,7 @@ def conformal_patch(view: ContactView) -> Figure:
     """
     contact = view.contact
     patch = required(contact.scene.conformal, "conformal").patch(contact.scene)
-    forces = "$F_y$ = {:.4g}, $F_z$ = {:.4g} ".format(*contact.resultant) + contact.scene.force_unit
-    figure, axes = new_axes(1.2, 0.7, view.describe(f"pressure around the axis; {forces}"))
+    figure, axes = new_axes(1.2, 0.7, view.describe("pressure over the angle"))
     along, axis = (1, contact.grid.x) if patch.line else (0, contact.grid.y)
     degrees = np.degrees(axis / patch.radius)
     pressure = contact.pressure.max(axis=along)

@@ -236,7 +236,9 @@ def read_conformity(pair: Pair) -> Iterator[Reading]:
         angle = math.degrees(math.asin(min(half / convex, 1.0)))
         at = angle**2, np.square(angles)  # both errors are proportional to the square at first
         errors = [100.0 * (float(np.interp(*at, ratios)) - 1.0) for ratios in (load, peak)]
-        details = {"axis": axis, "load": errors[0], "peak": errors[1]}
+        curves = axis == "y" or pair.bodies.infinitely_long
+        cure = "add [conformal]" if curves else "reduce the load"
+        details = {"axis": axis, "load": errors[0], "peak": errors[1], "cure": cure}
         yield Reading(f"body.A.{key}, body.B.{key}", angle, details)
 
 
@@ -353,7 +355,7 @@ RULES = (
         read_conformity,
         "the bodies conform in {axis}: with a half angle of {value:.3g} degrees, the half-space "
         "gives about {load:.2g} % less load and {peak:.2g} % less peak pressure for this patch "
-        "than a body in a hole (plane strain, equal materials); reduce the load to reduce it",
+        "than a body in a hole (plane strain, equal materials); {cure}",
         "at a half angle of 10 degrees, the error of the peak pressure is 2 %",
         above=10.0,
     ),
