@@ -518,34 +518,41 @@ class Search:
         varies = np.arange(problem.size) != (-1 if fixed is None else fixed)
         predicted = problem.predict(u, derivatives=True)
         larger = np.maximum(np.abs(predicted), np.abs(problem.observed))
-        inner = _Residuals(problem, u, varies, problem.deviation(larger), self.scatter or 1.0)
+        noise = problem.deviation(larger), self.scatter or 1.0
+        inner = _Residuals(problem, u, varies, *noise, Loss(fit.loss))
         self._check_start(problem.residuals(u, predicted, inner.deviation), predicted)
         low, high = problem.bounds
-        message, iterations = "no coordinate varies", 0
-        for _ in range(self.passes):
+        message, iterations, stays = "no coordinate varies", 0, False
+        # The cost is expected to be half the number of degrees of freedom.
+        degrees = max(problem.observed.size + problem.priors - problem.size, 1)
+        for number in range(self.passes):
             if varies.any():
-                # The cost is expected to be half the number of degrees of freedom.
-                degrees = max(problem.observed.size + problem.priors - problem.size, 1)
-                solution = least_squares(
-                    inner.residuals,
-                    np.clip(u, low, high)[varies],
-                    inner.slopes,
-                    bounds=(low[varies], high[varies]),
-                    loss=partial(Loss(fit.loss).terms, points=problem.observed.size),
-                    ftol=self.accuracy**2 / degrees,
-                    xtol=self.converged,
-                    gtol=1e-8,
-                    max_nfev=max(fit.iterations - iterations, 1),
-                )
-                u, message = inner.at(solution.x), ENDS[solution.status]
-                iterations += solution.nfev
+                inner.begin(self.accuracy if number else 10.0 * self.accuracy, degrees)
+                try:
+                    solution = least_squares(
+                        inner.residuals,
+                        np.clip(u, low, high)[varies],
+                        inner.slopes,
+                        bounds=(low[varies], high[varies]),
+                        loss=partial(Loss(fit.loss).terms, points=problem.observed.size),
+                        ftol=self.accuracy**2 / degrees,
+                        xtol=self.converged,
+                        gtol=1e-8,
+                        max_nfev=max(fit.iterations - iterations, 1),
+                    )
+                    u, message = inner.at(solution.x), ENDS[solution.status]
+                except SmallStepError as end:
+                    before, u = u, end.args[0]
+                    stays = number > 0 and np.array_equal(before, u)
+                    message = "the next step is small beside the uncertainty"
+                iterations += inner.calls
             estimate = Estimate(
                 problem, u, problem.predict(u, derivatives=True), inner.jacobian(u, self.near),
                 Loss(fit.loss), iterations, message, fit.scatter, inner.scatter,
             )  # fmt: skip
             if self.scatter is None:
                 estimate = estimate.with_scatter()
-            if not varies.any() or iterations >= fit.iterations:
+            if not varies.any() or stays or iterations >= fit.iterations:
                 break
             inner.deviation, inner.scatter = estimate.noise, estimate.scatter
             if self._remaining(inner, u) < self.accuracy**2:
@@ -572,6 +579,7 @@ class Search:
     def _remaining(self, inner: "_Residuals", u: np.ndarray) -> float:
         """Return the square of the step to the minimum, in standard deviations, linearised."""
         part = u[inner.varies]
+        inner.begin(0.0, 1)
         residuals = inner.residuals(part)
         root = Loss(self.fit.loss).roots(residuals, self.problem.observed.size)
         rows = root[:, None] * inner.slopes(part, self.near)
@@ -579,6 +587,10 @@ class Search:
         step = -np.linalg.lstsq(rows, root * residuals, rcond=1e-6)[0]
         step = np.clip(part + step, low, high) - part
         return float(np.square(rows @ step).sum())
+
+
+class SmallStepError(Exception):
+    """The next step of a search is small beside the uncertainty; it has the coordinates."""
 
 
 @dataclass(eq=False)
@@ -597,8 +609,12 @@ class _Residuals:
         Stated standard deviations of the measured values, constant.
     scatter : float
         Factor on them.
+    loss : Loss
+        Loss of the residuals.
     last : tuple of ndarray
         Coordinates at which derivatives were computed last, and these.
+    calls : int
+        Computed residuals since `begin`.
     """
 
     problem: FitProblem
@@ -606,7 +622,21 @@ class _Residuals:
     varies: np.ndarray
     deviation: np.ndarray
     scatter: float
+    loss: Loss
     last: tuple[np.ndarray, np.ndarray] | None = None
+    calls: int = 0
+    _share: float = 0.0
+    _local: tuple[np.ndarray, np.ndarray, float] | None = None
+    _tried: bool = False
+
+    def begin(self, accuracy: float, degrees: int) -> None:
+        """Begin a search that ends before a shortened step of less than some standard deviations.
+
+        Elements that begin to slip leave kinks in the cost, before which `least_squares` would
+        shorten its steps many times. Its scale is the chi-square of the point, over its degrees
+        of freedom, so that data without noise are fitted to their last digits.
+        """
+        self.calls, self._share, self._local = 0, accuracy**2 / degrees, None
 
     def at(self, part: np.ndarray) -> np.ndarray:
         """Return all coordinates, from those that vary."""
@@ -615,7 +645,20 @@ class _Residuals:
         return u
 
     def residuals(self, part: np.ndarray) -> np.ndarray:
-        """Return (predicted - measured)/noise and residuals of priors, at varying coordinates."""
+        """Return (predicted - measured)/noise and residuals of priors, at varying coordinates.
+
+        Raises
+        ------
+        SmallStepError
+            With the coordinates of the last derivatives, if a step from there was no better, and
+            the next one is small.
+        """
+        if self._local is not None:
+            there, rows, limit = self._local
+            if self._tried and float(np.square(rows @ (part - there)).sum()) < limit:
+                raise SmallStepError(self.at(there))
+            self._tried = True
+        self.calls += 1
         u = self.at(part)
         predicted = self.problem.predict(u, derivatives=True)
         return self.problem.residuals(u, predicted, self.deviation, self.scatter)
@@ -626,10 +669,15 @@ class _Residuals:
         slopes = self.jacobian(u, near)
         predicted = self.problem.predict(u, derivatives=True)
         noise = (self.deviation, self.scatter)
-        if self.varies.all() and not near:
-            residuals = self.problem.residuals(u, predicted, *noise)
-            self.problem.evaluations.add_iteration(float(np.square(residuals).sum()))
-        return self.problem.residual_slopes(u, predicted, slopes, *noise)[:, self.varies]
+        rows = self.problem.residual_slopes(u, predicted, slopes, *noise)[:, self.varies]
+        if not near:
+            residuals, points = self.problem.residuals(u, predicted, *noise), predicted.size
+            limit = self._share * 2.0 * self.loss.cost(residuals, points)
+            self._tried = False
+            self._local = part, self.loss.roots(residuals, points)[:, None] * rows, limit
+            if self.varies.all():
+                self.problem.evaluations.add_iteration(float(np.square(residuals).sum()))
+        return rows
 
     def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
         """Return the derivatives of predictions at `u`; those computed within `near` are reused."""
