@@ -7,7 +7,8 @@ import tractive_sam as ts
 from tests.fitting import laws
 from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
 from tractive_sam.fitting import log_posterior
-from tractive_sam.fitting.estimate import LOSSES, ProfileLikelihood, Search
+from tractive_sam.fitting.estimate import ProfileLikelihood, Search
+from tractive_sam.fitting.problem import LOSSES
 from tractive_sam.fitting.run import make_problem, read_design
 from tractive_sam.validation import experiment
 

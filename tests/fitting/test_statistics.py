@@ -12,7 +12,7 @@ import tractive_sam as ts
 from tractive_sam.fitting import Evaluations, explain_fit, log_posterior
 from tractive_sam.fitting.case import InProcess
 from tractive_sam.fitting.design import Fit, Parameters
-from tractive_sam.fitting.estimate import LOSSES, Loss
+from tractive_sam.fitting.problem import LOSSES, Loss
 
 VALUES = np.array([0.21, 0.34, 0.42, 0.25, 0.31])
 N, Z = VALUES.size, norm.ppf(0.975)

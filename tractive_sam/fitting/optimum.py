@@ -144,7 +144,7 @@ def _check_aims(entries: ValidEntries) -> Iterator[Fault]:
             allowed = f"a scene with {one.lower:g} to {one.upper:g}, or start"
             yield Fault(f"free[{k}].start", f"{value:g} in the scene", allowed)
     if entries["weights"] and len(entries["weights"]) != len(scenes):
-        yield Fault("weights", shorten(entries["weights"]), f"{len(scenes)} numbers, as scenes")
+        yield Fault("weights", shorten(entries["weights"]), f"{len(scenes)}, one of each scene")
     if any(scene.accuracy is not None for scene in scenes):
         cure = "a [grid] or none: all designs have the same number of elements"
         yield Fault("scene.accuracy", "a table", cure)

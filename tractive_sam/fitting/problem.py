@@ -1,14 +1,15 @@
-"""Predictions of all data sets, and their derivatives, at any values of the parameters."""
+"""Predictions of all data sets with derivatives at values of the parameters, and their losses."""
 
 import math
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
+from scipy.stats import chi2 as chi2_distribution
 
 from tractive_sam.fitting.case import (
     Evaluations,
@@ -655,3 +656,123 @@ class FitProblem:
                 continue
             predictions.append(series.predictions(each, np.asarray(u)[place]).ravel())
         return np.concatenate(predictions)
+
+
+LOSSES: Mapping[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]] = {
+    "linear": lambda z: (z, np.ones_like(z), np.zeros_like(z)),
+    "soft_l1": lambda z: (
+        2.0 * (np.sqrt(1.0 + z) - 1.0), (1.0 + z) ** -0.5, -0.5 * (1.0 + z) ** -1.5
+    ),
+    "huber": lambda z: (
+        np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+        np.maximum(z, 1.0) ** -0.5,
+        np.where(z <= 1.0, 0.0, -0.5 * np.maximum(z, 1.0) ** -1.5),
+    ),
+    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z), -((1.0 + z) ** -2.0)),
+    "arctan": lambda z: (
+        np.arctan(z), 1.0 / (1.0 + z**2), -2.0 * z / np.square(1.0 + z**2)
+    ),
+}  # fmt: skip
+"""Losses of squared residuals z and their two derivatives, see `scipy.optimize.least_squares`."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """Loss of the residuals of data by its name in `LOSSES`; priors stay quadratic.
+
+    In a cost, the loss is divided by the expected rise of twice itself at one standard deviation of
+    the estimate. Data and priors then count by their information, and the rise of twice the cost
+    is distributed as that of chi-square.
+
+    Attributes
+    ----------
+    name : str
+        Name of the loss.
+    """
+
+    name: str
+
+    def terms(self, squares: np.ndarray, points: int) -> np.ndarray:
+        """Return twice the costs of squared residuals, and two derivatives, (3, residuals).
+
+        Parameters
+        ----------
+        squares : ndarray, shape (residuals,)
+            Squared residuals: first those of `points` measured values, then those of priors.
+        points : int
+            Number of measured values.
+        """
+        terms = np.stack([squares, np.ones_like(squares), np.zeros_like(squares)])
+        terms[:, :points] = np.stack(LOSSES[self.name](squares[:points])) / self.rise
+        return terms
+
+    def cost(self, residuals: np.ndarray, points: int) -> float:
+        """Return the cost of residuals of `points` measured values, then of priors."""
+        return 0.5 * float(self.terms(np.square(residuals), points)[0].sum())
+
+    def roots(self, residuals: np.ndarray, points: int) -> np.ndarray:
+        """Return the factors of residuals in the equivalent least squares, see `cost`."""
+        return np.sqrt(self.terms(np.square(residuals), points)[1])
+
+    def weights(self, residuals: np.ndarray) -> np.ndarray:
+        """Return the weights of residuals of data: 1 for those that are small."""
+        return LOSSES[self.name](np.square(residuals))[1]
+
+    def inflation(self, residuals: np.ndarray, unknowns: int) -> float:
+        """Return the variance of an estimate over the inverse of its weighted information.
+
+        An M-estimate has the variance E(psi^2) / E(psi')^2 over the information of unit weights,
+        with psi = w r. Weighted least squares would give 1 / E(w). The expectations are those of
+        the residuals with outliers, but not below those of a normal residual, for which
+        E(psi') = E(r psi) (Huber, Robust Statistics (1981), section 7.6, with the factor of few
+        points, which belongs to the estimate from the residuals).
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (points,)
+            Residuals over the noise.
+        unknowns : int
+            Number of fitted coordinates.
+        """
+        if self.name == "linear":
+            return 1.0
+        weights, squares, slopes = _normal_moments(self)
+        share, z = unknowns / residuals.size, np.square(residuals)
+        _, weight, change = LOSSES[self.name](z)
+        bends = weight + 2.0 * z * change
+        bend = max(float(bends.mean()), 0.2)  # all residuals may be outliers
+        of_data = float(np.square(weight * residuals).mean() * weight.mean()) / bend**2
+        of_data /= max(1.0 - share, share)
+        few = (1.0 + share * float(bends.var()) / bend**2) ** 2
+        return max(few * of_data, squares * weights / slopes**2)
+
+    @property
+    def rise(self) -> float:
+        """Expected rise of the sum of losses at one standard deviation: 1 for least squares."""
+        _, squares, slopes = _normal_moments(self)
+        return squares / slopes
+
+    def scatter(self, residuals: np.ndarray, degrees: float) -> float:
+        """Return the scale s of residuals r: sum of (r/s)^2 is the degrees of freedom.
+
+        For robust losses, squares are bounded by 1, and so are those expected (Huber's Proposal 2,
+        Robust Statistics (1981), section 6.4): otherwise, one outlier would determine the scale.
+        """
+        squares = np.sort(np.square(residuals))
+        if self.name == "linear":
+            return math.sqrt(squares.sum() / degrees)
+        expected = chi2_distribution.cdf(1.0, 3) + chi2_distribution.sf(1.0, 1)
+        # Counting any k largest squares as 1 is an upper limit, so that the scale is the least one.
+        left = degrees * expected - np.arange(squares.size)[::-1]
+        return math.sqrt((np.cumsum(squares)[left > 0.0] / left[left > 0.0]).min())
+
+
+@cache
+def _normal_moments(loss: Loss) -> tuple[float, float, float]:
+    """Return the expectations of w, (w r)^2 and w r^2 for a standard normal residual r."""
+    nodes, shares = np.polynomial.hermite_e.hermegauss(99)
+    shares = shares / shares.sum()
+    weights = loss.weights(nodes)
+    moments = (weights, np.square(weights * nodes), weights * np.square(nodes))
+    means = [float(shares @ moment) for moment in moments]
+    return means[0], means[1], means[2]

@@ -24,7 +24,7 @@ from tractive_sam.fitting.design import (
     Noise,
     Parameters,
 )
-from tractive_sam.fitting.estimate import Estimate, Loss, ProfileLikelihood, Search
+from tractive_sam.fitting.estimate import Estimate, ProfileLikelihood, Search
 from tractive_sam.fitting.fit_file import (
     FIT_FORMAT,
     Variables,
@@ -36,7 +36,7 @@ from tractive_sam.fitting.fit_file import (
     text_variables,
     write_fit,
 )
-from tractive_sam.fitting.problem import FitProblem, Series
+from tractive_sam.fitting.problem import FitProblem, Loss, Series
 from tractive_sam.fitting.response import answer_variables, make_dataset
 from tractive_sam.fitting.results import FitResult, Gain, Intervals
 from tractive_sam.scene import hash_files, hashes_of
