@@ -371,6 +371,34 @@ def test_scene_round_trips_and_describes():
     assert "means over the directions" in str(ts.explain(scene))
 
 
+def test_jacobian():
+    """Against differences, also of the jump by pressure ahead of the leading edge."""
+    copper = {"stiffness": {"crystal": "copper"} | ON_111}
+    scene = rolling(copper, copper).replace(**{"solver.tolerance": 1e-10})
+    jacobian = ts.solve(scene, jacobian=True).jacobian
+    for name, key, step in (("xi_y", "creepage.lateral", 1e-7), ("mu1", "friction.mu", 1e-5)):
+        values = [
+            {key: 2e-4 + sign * step} if name == "xi_y" else {key: (0.3 + sign * step, 0.3)}
+            for sign in (1.0, -1.0)
+        ]
+        after, before = (ts.solve(scene.replace(**value)) for value in values)
+        for result in ("Qx", "Qy", "Mz"):
+            change = (getattr(after, result) - getattr(before, result)) / (2.0 * step)
+            found = float(jacobian.loc[result, name])
+            assert found == pytest.approx(change, rel=1e-4)  # rounding of small differences
+
+
+def test_study_of_the_direction_of_fibres(tmp_path):
+    """The angle is a numeric key; 180 degrees later the fibres are the same."""
+    (tmp_path / "fibres.toml").write_text(rolling({"stiffness": FIBRES}, STEEL).to_toml())
+    axis = {"key": "body.A.stiffness.phi1", "values": [0.0, 45.0, 180.0]}
+    study = ts.Study(scene=str(tmp_path / "fibres.toml"), axis=[axis])
+    data = ts.study(study, tmp_path / "fibres.nc").dataset()
+    Qx, Qy = data["Qx"].values, data["Qy"].values
+    assert Qx[2] == pytest.approx(Qx[0], rel=1e-6)  # tolerance of the solution
+    assert abs(Qy[1] - Qy[0]) > 0.01
+
+
 def test_transient_and_wear():
     """Turned crystals in a transient and with wear; the balance of energy holds."""
     wear = {"coefficient": 1e-7, "revolutions": 2}
