@@ -280,6 +280,14 @@ def test_inclusions_need_a_uniform_body_and_their_own_place():
     assert "inclusion[0].body" in [fault.key for fault in error.value.faults]
 
 
+def test_the_memory_of_large_boxes_is_known_before_they_are_computed():
+    near = [GOOD, GOOD | {"at": [0.0, 0.0, 0.125], "radii": 0.001, "cells": 31}]
+    rows = dict(
+        row for section in ts.explain(SCENE.replace(inclusion=near)) for row in section.rows
+    )
+    assert "more than" in rows["memory"]
+
+
 def test_a_study_varies_the_keys_of_an_inclusion():
     radii = {"key": "inclusion[0].radii", "start": 0.005, "stop": 0.02, "number": 2}
     depth = {"key": "inclusion[0].at[2]", "values": [0.1, 0.2]}

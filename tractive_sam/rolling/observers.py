@@ -52,6 +52,7 @@ from tractive_sam.scene import FatigueVolume
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.subsurface import (
     Course,
+    InclusionGroup,
     InclusionStress,
     LocalSteel,
     around_inclusions,
@@ -61,6 +62,7 @@ from tractive_sam.subsurface import (
     cycle_fatigue,
     displacement,
     elastic_energy,
+    inclusion_groups,
     maxima_by_body,
     semi_axes,
     stress_on_planes,
@@ -166,6 +168,14 @@ class AroundInclusions(Observer):
     def after(self, step: Any, model: Model) -> "AroundInclusions":
         """Return the observer with the contacts of a later step."""
         return AroundInclusions(step.contacts, model)
+
+    def bytes_needed(self, model: Model) -> float:
+        """Return the memory, bytes, of the largest box of cells around inclusions."""
+        inclusions, margin = model.scene.inclusion, InclusionGroup.widest
+        return max(
+            InclusionGroup([inclusions[k] for k in group], 1.0, 0.3, 0.0, margin).bytes_needed
+            for group in inclusion_groups(inclusions)
+        )
 
     def describe(self, model: Model) -> Iterator[Row]:
         """Yield the rows (label, text) that `explain` prints for the observer."""

@@ -9,6 +9,7 @@ from .fatigue_cycles import fatigue as fatigue
 from .inclusions import InclusionGroup as InclusionGroup
 from .inclusions import InclusionStress as InclusionStress
 from .inclusions import around_inclusions as around_inclusions
+from .inclusions import inclusion_groups as inclusion_groups
 from .inclusions import inclusion_lift as inclusion_lift
 from .layered import with_interfaces as with_interfaces
 from .stress_fields import Maximum as Maximum

@@ -65,6 +65,9 @@ class InclusionGroup:
     worn: float = 0.0
     margin: float = 0.0
 
+    widest: ClassVar[float] = 0.5
+    """Margin of the box in which the stress around inclusions is computed."""
+
     @cached_property
     def places(self) -> np.ndarray:
         """Places x, y and depth of the inclusions, mm, shape (inclusions, 3)."""
@@ -91,9 +94,14 @@ class InclusionGroup:
         shape = tuple(at.size for at in self.cells)
         return eigenstrain_box(shape, sides, float(self.cells[0][0] - 0.5 * sides[0]), self.poisson)
 
+    @property
+    def bytes_needed(self) -> float:
+        """Memory of the spectra of the box, bytes: of 108 kernels of the image, and 21 others."""
+        return 4.0 * 140 * math.prod(2 * at.size for at in self.cells)
+
     @cached_property
     def shares(self) -> np.ndarray:
-        """Share of each inclusion in the volume of each cell, shape (inclusions, *shape)."""
+        """Share of each inclusion in the volume of each cell, shape (inclusions, n_z, n_x, n_y)."""
         points = (np.arange(6) - 2.5) / 6.0
         z, x, y = (
             (at[:, None] + side * points).ravel()
@@ -118,7 +126,7 @@ class InclusionGroup:
 
     @cached_property
     def share(self) -> np.ndarray:
-        """Share of all inclusions in the volume of each cell, shape (*shape,)."""
+        """Share of all inclusions in the volume of each cell, shape (n_z, n_x, n_y)."""
         return self.shares.sum(axis=0)
 
     @cached_property
@@ -163,7 +171,7 @@ class InclusionGroup:
         return np.concatenate((np.ones_like(scaled[:1]), scaled))
 
     def inside(self, k: int, field: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
-        """Return a field (..., *shape) inside an inclusion, at points (3, n) or in its cells.
+        """Return a field (..., n_z, n_x, n_y) in an inclusion, at points (3, n) or in its cells.
 
         In an ellipsoid it is the linear field that it has near the centre.
         """
@@ -183,7 +191,7 @@ class InclusionGroup:
         ----------
         k : int
             The inclusion.
-        strain, eigenstrain : ndarray, shape (6, ..., *shape)
+        strain, eigenstrain : ndarray, shape (6, ..., n_z, n_x, n_y)
             Strain, and eigenstrain of the inclusions, in the cells.
         count : int
             Number of points, see `surface_points`.
@@ -214,13 +222,13 @@ class InclusionGroup:
     def solve(
         self, strain: np.ndarray, misfit: bool = False, tolerance: float = 1e-5, steps: int = 80
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the strain and the eigenstrain, (6, *shape), in a strain without inclusions.
+        """Return strain and eigenstrain, (6, n_z, n_x, n_y), in a strain without inclusions.
 
         The eigenstrain counts by the share of the inclusions in a cell.
 
         Parameters
         ----------
-        strain : ndarray, shape (6, *shape)
+        strain : ndarray, shape (6, n_z, n_x, n_y)
             Strain of tensors.
         misfit : bool
             Whether the inclusions have their misfit.
@@ -387,6 +395,23 @@ def inclusion_lift(contact: State, x: float = 0.0, laws: Laws | None = None) -> 
 def _passages(contact: State, laws: Laws) -> Iterator[_Passing]:
     """Yield the passage of each group of inclusions that disturb each other."""
     inclusions = contact.scene.inclusion
+    for group in inclusion_groups(inclusions):
+        body = inclusions[group[0]].body
+        depth = worn_depth(contact, body)
+        worn = max(np.interp(inclusions[k].at[1], contact.grid.y, depth) for k in group)
+        yield _Passing(contact, laws, body, group, float(worn))
+
+
+def inclusion_groups(inclusions: Sequence[Inclusion]) -> Iterator[list[int]]:
+    """Yield the places in [[inclusion]] of those that disturb each other, by group.
+
+    Examples
+    --------
+    >>> from tractive_sam.subsurface import inclusion_groups
+    >>> holes = [ts.Inclusion(at=[x, 0.0, 1.0], radii=0.1, young=0.0) for x in (0.0, 0.5, 3.0)]
+    >>> list(inclusion_groups(holes))
+    [[0, 1], [2]]
+    """
     left = list(range(len(inclusions)))
     while left:
         group = [left.pop(0)]
@@ -397,10 +422,7 @@ def _passages(contact: State, laws: Laws) -> Iterator[_Passing]:
                 if one.body == other.body and math.dist(one.at, other.at) < reach:
                     group.append(n)
                     left.remove(n)
-        body = inclusions[group[0]].body
-        depth = worn_depth(contact, body)
-        worn = max(np.interp(inclusions[k].at[1], contact.grid.y, depth) for k in group)
-        yield _Passing(contact, laws, body, sorted(group), float(worn))
+        yield sorted(group)
 
 
 @dataclass(frozen=True, eq=False)
@@ -449,7 +471,7 @@ class _Passing:
     @cached_property
     def outer(self) -> InclusionGroup:
         """The inclusions with the body around them."""
-        return replace(self.group, margin=0.5)
+        return replace(self.group, margin=self.group.widest)
 
     @cached_property
     def x(self) -> np.ndarray:
@@ -461,7 +483,7 @@ class _Passing:
         return self.contact.grid.centre[0] + np.linspace(reach, -reach, self.moments)
 
     def loads(self, group: InclusionGroup) -> Iterator[np.ndarray]:
-        """Yield the stress (6, *shape) without inclusions in the cells of a box, by position."""
+        """Yield the stress (6, n_z, n_x, n_y) without inclusions in a box, by position."""
         depth, x, y = group.cells
         grid = self.contact.grid
         centre, half = 0.5 * (depth[0] + depth[-1]), 0.5 * (depth[-1] - depth[0])
@@ -488,7 +510,7 @@ class _Passing:
             yield course(place + x - x.mean()).swapaxes(0, 1)
 
     def constant(self, group: InclusionGroup) -> np.ndarray:
-        """Return the residual stress (6, *shape) in the cells of a box."""
+        """Return the residual stress (6, n_z, n_x, n_y) in the cells of a box."""
         stress = np.zeros((6, *group.box.shape))
         steel = self.contact.scene.steel.get(self.body, Steel())
         if (residual := steel.stress(group.cells[0] + self.worn)) is not None:
@@ -509,7 +531,7 @@ class _Passing:
         return shares
 
     def combine(self, group: InclusionGroup) -> np.ndarray:
-        """Return the few loads (n, 6, *shape) as strains, without inclusions, in a box."""
+        """Return the few loads (n, 6, n_z, n_x, n_y) as strains, without inclusions, in a box."""
         total = np.zeros((self.shares.shape[1], 6, *group.box.shape))
         for share, load in zip(self.shares, self.loads(group), strict=False):
             total[:-1] += np.multiply.outer(share[:-1], load)
@@ -520,7 +542,7 @@ class _Passing:
 
     @cached_property
     def solved(self) -> tuple[np.ndarray, np.ndarray]:
-        """Strain and eigenstrain (6, n, *shape) in each of the few loads."""
+        """Strain and eigenstrain (6, n, n_z, n_x, n_y) in each of the few loads."""
         strains = self.combine(self.group)
         last = len(strains) - 1
         pairs = [self.group.solve(load, misfit=k == last) for k, load in enumerate(strains)]
@@ -537,7 +559,7 @@ class _Passing:
 
     @cached_property
     def around(self) -> np.ndarray:
-        """Strain (6, n, *shape) in the wider box in each of the few loads."""
+        """Strain (6, n, n_z, n_x, n_y) in the wider box in each of the few loads."""
         own = self.widen(self.group.share * self.solved[1]).swapaxes(0, 1)
         fields = [
             load + self.outer.box(e) for load, e in zip(self.combine(self.outer), own, strict=True)
