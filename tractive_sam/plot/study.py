@@ -223,6 +223,7 @@ def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str 
     for axes, variable in zip(panels.flat, variables.values(), strict=False):
         axes.plot(variable.places, y.values, "o", markersize=3, color=LOOK.grey)
         _label_axes(axes, variable, y)
+        axes.set_xlabel(fill(variable.label, 22), loc="left")  # a power of ten is at the right
     for axes in panels[:, 1:].flat:
         axes.set_ylabel("")
     set_title(figure, title)
@@ -693,7 +694,7 @@ def scatter_causes(
         left.barh(range(len(keys)), values - nominal, left=nominal, color=colour, label=name)
     left.axvline(nominal, color=LOOK.vermillion, linewidth=0.8)
     left.set_yticks(range(len(keys)), [keys[k] for k in order])
-    left.set_title(fill(label, 40), loc="center", fontsize=9)
+    left.set_title(fill(label, 40), loc="center", fontsize="medium")
     left.xaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     ranks = np.argsort(np.atleast_2d(list(shares.values())[-1])[0])
     for number, (name, values) in enumerate(shares.items()):
