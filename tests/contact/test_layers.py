@@ -178,3 +178,36 @@ def test_worn_coating_is_reported():
     through = scene.replace(**{"body.A.layer[0].thickness": 1e-3})
     assert "worn through" in caveats(ts.roll(through))["layers"]
     assert "layers" not in caveats(ts.roll(scene.replace(**{"wear.revolutions": 10})))
+
+
+def test_wear_thins_a_layer_and_goes_through_it():
+    wear = {"coefficient": {"A": 1e-3, "B": 0.0}, "revolutions": 2000, "save": [0, 500, 2000]}
+    scene = ts.Scene.builtin("coated-roller").replace(**SMALL, wear=wear | {"layer_step": 0.1})
+    scene = scene.replace(**{"body.A.layer[0].thickness": 0.02})
+    history = ts.roll(scene)
+    contact = history.state()
+    elasticity = ts.Laws.of_contact(contact).elasticity
+    load = contact.pressure.sum(axis=0)
+    worn = (load * contact.wear[-1]).sum() / load.sum()
+    thickness = elasticity.A.layers[0].thickness
+    # In steps of a tenth, with the depth before the last jump.
+    assert 0.02 - worn - 1e-12 <= thickness <= 0.02 - worn + 0.2 * 0.02
+    assert thickness < 0.0199
+    assert "layers" not in caveats(history)
+    # A contact of the thinner layer: stiffer than with the unworn one.
+    kept = ts.roll(scene.replace(**{"wear.layer_step": None}))
+    assert contact.approach < kept.state().approach
+    through = scene.replace(**{"body.A.layer[0].thickness": 1e-3})
+    bare = ts.roll(through)
+    assert scene.body.A.material == ts.Laws.of_contact(bare.state()).elasticity.A
+    assert "continues with what lies below" in caveats(bare)["layers"]
+
+
+def test_wear_without_steps_of_layers_is_as_before():
+    wear = {"coefficient": {"A": 1e-3, "B": 1e-6}, "revolutions": 20}
+    scene = ts.Scene.builtin("coated-roller").replace(**SMALL, wear=wear)
+    # No step of half of the layer is reached: equal to the last bit.
+    thinning = scene.replace(**{"wear.layer_step": 0.5, "wear.stepping": "every-revolution"})
+    plain = scene.replace(**{"wear.stepping": "every-revolution"})
+    pressures = [ts.roll(each).state().pressure for each in (plain, thinning)]
+    np.testing.assert_array_equal(*pressures)

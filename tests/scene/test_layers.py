@@ -6,6 +6,7 @@ import tractive_sam as ts
 
 SCENE = ts.Scene.builtin("coated-roller")
 LAYER = {"thickness": 0.1, "young": 3e3, "poisson": 0.4}
+WEAR = {"coefficient": 1e-4, "revolutions": 5}
 STRESS = {"planes": ["y=0"]}
 
 
@@ -35,6 +36,16 @@ STRESS = {"planes": ["y=0"]}
         ("normal_compliance", {"body.A.layer": [LAYER | {"normal_compliance": float("inf")}]}),
         ("normal_compliance", {"body.A.layer": [LAYER | {"normal_compliance": "glue"}]}),
         ("shear_compliance", {"body.A.layer": [LAYER | {"compliance": 1e-6}]}),
+        ("wear.layer_step", {"wear": WEAR | {"layer_step": 0.0}}),
+        ("wear.layer_step", {"wear": WEAR | {"layer_step": 0.7}}),
+        ("wear.layer_step", {"wear": WEAR | {"layer_step": 0.1}, "body.A.layer": None}),
+        (
+            "wear.layer_step",
+            {
+                "wear": {"layer_step": 0.1, "law": {"A": "usfd"}, "revolutions": 5},
+                "creepage.speed": 1e3,
+            },
+        ),
         ("body.A.layer, elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
     ],
 )

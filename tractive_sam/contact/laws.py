@@ -145,7 +145,29 @@ class Laws:
                 f"laws: the contact was computed with {describe_laws(missing)} in place of the law "
                 "of its scene, and results files do not store laws; give laws=... with that law"
             )
-        return cls.of_package(contact.scene)
+        return cls.of_package(contact.scene).worn((contact,), contact.scene)
+
+    def worn(self, contacts: Sequence[State], scene: Scene) -> "Laws":
+        """Return the laws with layers that are as thin as wear leaves them ([wear] layer_step).
+
+        The depth is that worn off before the contact, a mean over the rows with their load.
+
+        Parameters
+        ----------
+        contacts : sequence of State
+            Contacts before which it is worn.
+        scene : Scene
+            Scene of these laws, with unworn bodies.
+        """
+        step = None if scene.wear is None else scene.wear.layer_step
+        elasticity = self.elasticity
+        if step is None or not isinstance(elasticity, LinearHalfSpaces):
+            return self
+        load = sum(contact.pressure.sum(axis=0) for contact in contacts)
+        depth = sum((c.pressure.sum(axis=0) * c.wear[-1]).sum() for c in contacts)
+        depth /= max(load.sum(), 1e-300)
+        of_A, of_B = (float(scene.turns.share_of_entering(body) * depth) for body in "AB")
+        return self.replace(elasticity=elasticity.worn((of_A, of_B), step))
 
     def of_block(self, scene: Scene, block: Scene) -> "Laws":
         """Return the laws of a duty block; laws that replace those of the scene remain replaced."""

@@ -204,6 +204,15 @@ class Model:
         model.patch, model.wheel_depth = self.patch, self.wheel_depth
         return model
 
+    def with_laws(self, laws: Laws) -> "Model":
+        """Return the model with another elastic law, on the same mesh; itself if it is equal."""
+        if laws.elasticity == self.laws.elasticity:
+            return self
+        model = self.on(self.grid)
+        model.laws = laws
+        model.elasticity = laws.elasticity.spanning(2.0 * self.grid.half_length[0])
+        return model
+
     def of_patch(self, patch: Patch, wheel_depth: float | None = None) -> "Model":
         """Return the model of another contact patch of a wheel on this mesh.
 

@@ -210,6 +210,37 @@ class LayeredBody:
         )
         return LayeredBody(tuple(layers), change(self.base))
 
+    def worn(self, depth: float, step: float) -> "LayeredBody | Material":
+        """Return the body without a worn depth, mm, in steps; the base if all layers are worn.
+
+        Parameters
+        ----------
+        depth : float
+            mm.
+        step : float
+            Share of the thickness of a layer by which it becomes thinner at once.
+
+        Examples
+        --------
+        >>> hard, steel = ts.Material(2e5, 0.2), ts.Material(8e4, 0.3)
+        >>> coated = ts.LayeredBody((ts.Layer(0.1, hard),), steel)
+        >>> round(coated.worn(0.037, 0.1).layers[0].thickness, 3), coated.worn(0.2, 0.1) == steel
+        (0.07, True)
+        """
+        for number, layer in enumerate(self.layers):
+            share = step * np.floor(depth / layer.thickness / step + 1e-9)
+            if share < 1.0 - 1e-9:
+                below = (*self.layers[number + 1 :], Layer(1.0, self.base))[0].material.shear
+                material = layer.material
+                if layer.gradient != "none":
+                    shear = material.shear * (below / material.shear) ** share
+                    material = Material(float(shear), material.poisson)
+                thickness = float(layer.thickness * (1.0 - share))
+                thinner = replace(layer, thickness=thickness, material=material)
+                return LayeredBody((thinner, *self.layers[number + 1 :]), self.base)
+            depth -= layer.thickness
+        return self.base
+
     def stress(self, k: np.ndarray, depths: np.ndarray) -> np.ndarray:
         """Return the stress at depths by waves of traction on the surface.
 
@@ -708,6 +739,14 @@ class LinearHalfSpaces(Elasticity):
         across = np.einsum("am,bm->mab", normal, normal)
         return (TT * np.eye(2) + (LL - TT) * across) / zz
 
+    def worn(self, depths: tuple[float, float], step: float) -> "LinearHalfSpaces":
+        """Return the law without worn depths of both bodies, mm, in steps (`LayeredBody.worn`)."""
+        A, B = (
+            body.worn(depth, step) if isinstance(body, LayeredBody) else body
+            for body, depth in zip((self.A, self.B), depths, strict=True)
+        )
+        return replace(self, A=A, B=B)
+
     def spanning(self, length: float) -> "LinearHalfSpaces":
         """Return the law with the datum of strips of a mesh of the given length, mm (`Strips`)."""
         if self.datum is None:
@@ -727,7 +766,8 @@ class LinearHalfSpaces(Elasticity):
         material = getattr(self, body)
         if isinstance(material, LayeredBody):
             unit = material.layers[0].material.shear
-            return replace(self, A=material.scaled(1.0 / unit), B=Material(np.inf, 0.0))
+            rigid = Material(np.inf, 0.0)
+            return LinearHalfSpaces(material.scaled(1.0 / unit), rigid, self.datum)
         if not isinstance(material, Material):
             raise ValueError(
                 f"the stress below the surface is known in isotropic bodies only, and body {body} "

@@ -317,6 +317,8 @@ def _describe_conformity(history: HistoryData) -> str:
 def _describe_worn_layers(history: HistoryData, share: float = 0.1) -> str:
     """Describe layers that wear has thinned by more than a share or removed; else an empty text."""
     texts = []
+    wear = history.scene.wear
+    follows = wear is not None and wear.layer_step is not None
     for body in BODIES if len(history) else ():
         layers = getattr(history.scene.body, body).layer
         column = f"wear_profile_{body}"
@@ -332,9 +334,12 @@ def _describe_worn_layers(history: HistoryData, share: float = 0.1) -> str:
             if worn >= thickness:
                 text = f"worn through: wear of {worn:.3g} mm, and the layer of body {body} is "
                 text += f"{thickness:g} mm thick"
-            texts.append(text)
+            if worn >= thickness or not follows:
+                texts.append(text)
     if not texts:
         return ""
+    if follows:
+        return f"{'; '.join(texts)}; the contact continues with what lies below"
     cure = "the contact is computed with unworn layers: use fewer wear.revolutions, and continue "
     return f"{'; '.join(texts)}; {cure}with a thinner layer"
 

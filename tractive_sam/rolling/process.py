@@ -504,6 +504,11 @@ class Process(ABC, Generic[AnyStep]):
         process.further_observers = self.further_observers if further is None else further
         return process
 
+    def with_laws(self, laws: Any) -> Self:
+        """Return the process with another elastic law of its model; itself if it is equal."""
+        model = self.model.with_laws(laws)
+        return self if model is self.model else self._copy_with(model)
+
     @property
     def coordinate(self) -> Quantity | None:
         """Column by which the records are ordered; None if it follows from the scene."""

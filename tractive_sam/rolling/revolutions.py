@@ -106,7 +106,9 @@ def adaptive_passages(
         # The first revolution has the rate of the bodies as they are; a jump extrapolates from it.
         control = FixedSteps(tuple(sorted({1, *schedule.stops})))
     last = start
+    unworn = process.model.laws
     while last.converged and last.revolution < schedule.end:
+        process = process.with_laws(unworn.worn(last.contacts, process.model.scene))
         last = _next_jump(process, last, control)
         yield last
 
@@ -121,7 +123,13 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
     response = np.sum([weight * block for weight, block in each], axis=0)
     fastest = np.abs(np.diag(response)).max()
     settled = int(SETTLED / max(fastest, 1e-12))
-    step = control.first(last.revolution, last.jump, settled)
+    longest, thinning = float(last.jump), required(model.scene.wear, "wear").layer_step
+    if thinning is not None:  # no jump wears more off a layer than a step of its thickness
+        bodies = model.scene.body.A, model.scene.body.B
+        thickness = min(layer.thickness for body in bodies for layer in body.layer)
+        worn = max(float(last.gained.max()), 1e-300)
+        longest = max(1.0, min(longest, math.floor(thinning * thickness / worn)))
+    step = control.first(last.revolution, int(longest), settled)
     solves = 0
     while True:
         jump = _roll if step.length == 1 else jump_on
@@ -481,8 +489,10 @@ class Revolutions(Process[Passage]):
         if schedule.adaptive or schedule.fixed:
             yield from adaptive_passages(self, last, schedule)
             return
+        process, unworn = self, self.model.laws
         while last.converged and last.revolution < schedule.end:
-            last = next_passage(self.model, last)
+            process = process.with_laws(unworn.worn(last.contacts, self.model.scene))
+            last = process.observe(next_passage(process.model, last), last)
             yield last
 
     @classmethod

@@ -20,7 +20,7 @@ from .bodies import HEAT_CHECKS, Bodies
 from .duty import check_blocks
 from .plausibility import Pair, pair_notes
 from .schedule import Stage
-from .wear import BY_COEFFICIENT, Wear
+from .wear import BY_COEFFICIENT, Wear, check_layers_wear
 from .wheel_rail import WHEEL_CHECKS
 
 _CROWN = "or a finite radius_y of one body, for a contact of finite width"
@@ -562,6 +562,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_falling_law_has_speed,
     _check_bodies_can_touch,
     _check_responses_combine,
+    check_layers_wear,
     _check_grid_contains_contact,
     _check_slender_contact_has_grid,
     _check_a_body_turns,

@@ -135,6 +135,20 @@ def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
     return {"A": law.A or both, "B": law.B or both}
 
 
+def check_layers_wear(entries: ValidEntries) -> Iterator[Fault]:
+    """Report wear that thins layers in scenes for which it is not computed."""
+    if entries["wear"] is None or entries["wear.layer_step"] is None:
+        return
+    value, laws = f"{entries['wear.layer_step']:g}", entries["wear.law"]
+    if not entries["body"].is_layered:
+        yield Fault("wear.layer_step", f"{value}, without layers", "[[body.A.layer]], or no key")
+    for table in ("transient", "process"):
+        if entries[table] is not None:
+            yield Fault("wear.layer_step", f"{value}, with [{table}]", "no key: layers stay")
+    if isinstance(laws, WearLaws):
+        yield Fault("wear.layer_step", f"{value}, with laws of each body", "one law for both")
+
+
 def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
     """Report wear coefficients that are missing, or that the wear laws do not use."""
     if isinstance(entries["law"], NamedLaw):
@@ -321,6 +335,14 @@ class Wear(LawTable):
         "adaptive jumps over many revolutions, every revolution, or revolution 1 and one jump to "
         "each revolution of save without error control",
         default="adaptive",
+    )
+    layer_step: Real | None = optional(
+        "share of the thickness of a layer, [[body.A.layer]], at whose wear the layer becomes "
+        "thinner; where it is worn through, the contact continues with what lies below; without "
+        "it, layers remain as thick as they are",
+        "a number above 0, at most 0.5",
+        gt=0,
+        le=0.5,
     )
     turns: Literal["each", "equal"] = entry(
         "return of the worn profiles to the contact: each after one revolution of its body, or "
