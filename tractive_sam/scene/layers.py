@@ -62,7 +62,9 @@ def _check_constants_of_class(entries: ValidEntries) -> Iterator[Fault]:
     """Report constants that are missing or do not belong to a class of symmetry."""
     given = {name for name in entries.given if name[0] == "C"}
     if entries["crystal"] is not None:
-        yield from (Fault(k, f"with crystal = {entries['crystal']}", "one of them") for k in given)
+        yield from (
+            Fault(k, f"with crystal = {entries['crystal']}", "one of them") for k in sorted(given)
+        )
         return
     symmetric = {"C11", "C12", "C13", "C33", "C44"}
     needed, kind = symmetric | {"C22", "C23", "C55", "C66"}, "without an axis of such symmetry"
