@@ -373,3 +373,28 @@ def test_study_of_the_clearance():
     design = {"scene": base.entries(), "axis": [{"key": "body.B.radius_y", "values": [-5.4, -5.1]}]}
     wide, tight = (ts.solve(case.scene) for case in cases(ts.Study(**design)))
     assert tight.half_width_y > wide.half_width_y
+
+
+@pytest.mark.parametrize("component", ["zz", "yy", "xx", "yz"])
+def test_loads_along_the_cylinder_have_the_waves_of_the_plane(component):
+    """The sum of the coefficients along x is the displacement by a strip, wave by wave."""
+    law, count = ts.ConformalBodies(UNIT, Material(2.0, 0.25), 1.0), 64
+    dy = 2.0 * np.pi / count
+    table = law.coefficients(component, (120, count // 2 + 1), 0.5, dy)
+    strip = 2.0 * table.sum(axis=0) - table[0]
+    parity = -1.0 if component == "yz" else 1.0
+    around = np.concatenate((strip, parity * strip[-2:0:-1]))
+    waves = np.fft.rfft(around)[2:8] / count
+    n, k = (
+        np.arange(2, 2000),
+        np.array([1e-3]),
+    )  # finite, as the fields of the plane are not independent
+    exact = law.spectrum(n, k)[component][:, 0] * dy / (2.0 * np.pi) * np.sinc(0.5 * dy * n / np.pi)
+    # The waves that the samples do not distinguish: n + 64 m, and -n + 64 m.
+    folded = np.zeros(6)
+    for m in range(30):
+        folded += exact[64 * m : 64 * m + 6]
+        folded += parity * exact[64 * m + 60 - np.arange(6)] if m < 29 else 0.0
+    found = waves.imag if component == "yz" else waves.real
+    # Waves shorter than an element, which fold into these, are those of half-spaces.
+    assert found == pytest.approx(folded, abs=2e-3 * np.abs(folded).max())

@@ -312,10 +312,12 @@ def _add_chord(
 ) -> None:
     """Add the displacement by loads at the distance of the chord less that at the arc, in place.
 
-    The difference is of the order of the distance over R², so that nine points integrate it.
+    The difference is of the order of the distance over R². The coupling of unlike bodies is that of
+    loads at all turns around the cylinder; only its mean (n = 0) is that of one turn.
     """
     points, weights = np.polynomial.legendre.leggauss(4)  # an even number: no point is the centre
     nu, c = law.material.poisson, 0.25 * np.prod(sides) / (np.pi * law.material.shear)
+    K, R = law.material.coupling, law.radius
     for i, j in np.ndindex(4, 4):
         x = (offsets[0] + 0.5 * sides[0] * points[i])[:, None]
         y = (offsets[1] + 0.5 * sides[1] * points[j])[None, :]
@@ -328,6 +330,11 @@ def _add_chord(
         table["yy"] += share * (near - nu * along)
         turned = law.radius * np.sin(y / law.radius) / chord**3 - y / arc**3
         table["xy"] += share * nu * x * turned
+        if K:
+            turns = 2.0 * R * (np.cosh(np.minimum(np.abs(x / R), 300.0)) - np.cos(y / R))
+            along_x = np.sinh(np.clip(x / R, -300.0, 300.0)) / turns - x / arc**2
+            table["xz"] -= share * K * (along_x - np.arctan(x / (np.pi * R)) / (np.pi * R))
+            table["yz"] -= share * K * (np.sin(y / R) / turns - y / arc**2)
 
 
 def _logarithmic_derivatives(n: np.ndarray, kappa: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
