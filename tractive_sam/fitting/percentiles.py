@@ -4,7 +4,7 @@ Scores z are normal with mean 0 and standard deviation 1, correlated as stated (
 the value of a key is the quantile of its distribution at the probability of its score. Samples are
 16 independently scrambled Sobol sequences, as points of one sequence are not independent: the
 error of a statistic follows from the differences between the sequences (A. B. Owen, SIAM J. Numer.
-Anal. 34 (1997) 1884-1910), that of a percentile from those of the shares of values below it.
+Anal. 34 (1997) 1884-1910).
 """
 
 from __future__ import annotations
