@@ -18,21 +18,26 @@ def quadrature(component, x, y, sides, reach):
     nodes, weights = np.polynomial.legendre.leggauss(16)
     low, high = edges[edges <= 45.0 * reach][:-1, None], edges[edges <= 45.0 * reach][1:, None]
     s = low + 0.5 * (high - low) * (1.0 + nodes)
-    r1, _, _, xy, _, _ = integrals((x + s).ravel(), np.full(s.size, y), *sides)
-    zz, LL, TT, _ = RUBBER.compliances
-    kernel = {"zz": zz * r1, "xy": (TT - LL) * xy}[component].reshape(s.shape) / (2.0 * np.pi)
+    r1, _, _, xy, x2, _ = integrals((x + s).ravel(), np.full(s.size, y), *sides)
+    zz, LL, TT, Lz = RUBBER.compliances
+    kernel = {"zz": zz * r1, "xy": (TT - LL) * xy, "xz": -Lz * x2}[component].reshape(s.shape) / (
+        2.0 * np.pi
+    )
     return float((0.5 * (high - low) * weights * np.exp(-s / reach) / reach * kernel).sum())
 
 
 @pytest.mark.parametrize("sides", [(0.1, 0.1), (0.1, 0.4), (0.4, 0.1)])
 @pytest.mark.parametrize(("reach", "error"), [(1e-3, 1e-5), (0.03, 2e-4), (1.0, 3e-5), (1e3, 1e-6)])
 def test_memory_is_that_of_quadrature(sides, reach, error):
-    """Errors over the largest coefficient; the polynomials meet the bends at element edges."""
+    """Errors over the largest coefficient; the polynomials meet the bends at element edges.
+
+    The bends of "xz" are sharper.
+    """
     body = ts.RelaxingBody(RUBBER, ((1.0, reach / SPEED),))
     law = ts.RelaxingHalfSpaces(body, RIGID, speed=SPEED)
     plain = ts.LinearHalfSpaces(RUBBER, RIGID)
     largest = plain.coefficients("zz", (1, 1), *sides)[0, 0]
-    for component, parity in (("zz", 1.0), ("xy", -1.0)):
+    for component, parity in (("zz", 1.0), ("xy", -1.0), ("xz", -1.0)):
         offsets = component, (COUNT, COUNT), *sides
         even = law.coefficients(*offsets) - plain.coefficients(*offsets)
         lag = law.lag(*offsets)
@@ -41,7 +46,9 @@ def test_memory_is_that_of_quadrature(sides, reach, error):
             if i < 0:
                 found = parity * (even[-i, j] - lag[-i, j])
             exact = quadrature(component, i * sides[0], j * sides[1], sides, reach)
-            assert found == pytest.approx(exact, abs=error * largest)
+            assert found == pytest.approx(
+                exact, abs=(10.0 if component == "xz" else 1.0) * error * largest
+            )
 
 
 def test_spectrum_is_that_of_the_periodic_response():
