@@ -294,3 +294,13 @@ def test_a_study_varies_the_keys_of_an_inclusion():
     scenes = [case.scene for case in cases(ts.Study(scene="inclusion", axis=[radii, depth]))]
     assert [scene.inclusion[0].radii[0] for scene in scenes] == [0.005, 0.005, 0.02, 0.02]
     assert [scene.inclusion[0].at[2] for scene in scenes] == [0.1, 0.2, 0.1, 0.2]
+
+
+def test_a_spread_observes_inclusions_and_varies_them():
+    uncertain = [
+        {"key": "inclusion[0].radii", "distribution": "lognormal", "median": 0.01, "factor": 1.5},
+        {"key": "inclusion[0].at[2]", "distribution": "uniform", "low": 0.05, "high": 0.3},
+    ]
+    spread = {"scene": "inclusion", "observe": ["inclusion_utilisation B"], "percentiles": [90]}
+    design = ts.SpreadDesign(spread=spread, uncertain=uncertain)
+    assert design.spread.observe == ("inclusion_utilisation B",)

@@ -554,7 +554,7 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
         If records of the scene lack a column.
     """
     # Tables that are left out if no observation needs them.
-    costly = ("subsurface", "fatigue")
+    costly = ("subsurface", "inclusion", "fatigue")
     quantities = index_by_name(COLUMNS)
     wanted = [quantities[name.partition(" ")[0]] for name in columns]
     if unworn and scene.wear is not None:
@@ -562,12 +562,12 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     for name in costly:
         # Residual stress of rolling needs the yield stress of [fatigue].
         needed = name == "fatigue" and scene.subsurface is not None and scene.residual is not None
-        if getattr(scene, name) is not None and not needed:
+        if scene.has(name) and not needed:
             unused = {"residual": None} if name == "fatigue" else {}
             without = scene.replace(**{name: None}, **unused)
             if all(quantity.applies(without) for quantity in wanted):
                 scene = without
-    below = "subsurface", "fatigue"  # a steady contact has these, too, if it is rolled
+    below = "subsurface", "inclusion", "fatigue"  # a steady contact has these, too, if it is rolled
     for quantity in wanted:
         is_of_roll = quantity.of is None and not "".join(quantity.needs).startswith(below)
         if not quantity.applies(scene) or (is_of_roll and is_steady(scene)):

@@ -182,29 +182,6 @@ class AroundInclusions(Observer):
         text = "the equivalent inclusion method, with every record; the bodies stay elastic"
         yield Row("stress around inclusions", text)
 
-    @property
-    def columns(self) -> tuple[Quantity, ...]:
-        """Columns of the inclusions of each body, of that with the largest value."""
-        mises = "inclusion_von_mises", "MPa", "largest von Mises stress beside an inclusion"
-        used = "inclusion_utilisation", "1", "largest utilisation beside an inclusion"
-        largest: dict[str, Any] = {"dims": ("body",), "over_blocks": "largest"}
-        place: dict[str, Any] = {"dims": ("body", "position")}
-        columns = [
-            Quantity(*mises, **largest),
-            Quantity("inclusion_von_mises_at", "mm", "its position (x, y, depth)",
-                     place_of="inclusion_von_mises", **place),
-            Quantity("inclusion_tension", "MPa", "largest tension in an inclusion", **largest),
-            Quantity("inclusion_lift", "mm", "largest displacement of the surface by inclusions, "
-                     "out of the body", **largest),
-        ]  # fmt: skip
-        if self.model is not None and self.model.scene.has("fatigue.limit"):
-            columns += [
-                Quantity(*used, **largest),
-                Quantity("inclusion_utilisation_at", "mm", "its position (y, depth)",
-                         place_of="inclusion_utilisation", **place),
-            ]  # fmt: skip
-        return tuple(columns)
-
     @cached_property
     def around(self) -> tuple[tuple[InclusionStress, ...], ...]:
         """Stress around the inclusions below the contact of each block."""
@@ -213,18 +190,18 @@ class AroundInclusions(Observer):
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
         """Return the columns of a block, by name and body."""
-        values: dict[str, dict[str, Any]] = {column.name: {} for column in self.columns}
+        kinds = ["von_mises", "tension", "lift"]
+        if required(self.model, "model").scene.has("fatigue.limit"):
+            kinds.append("utilisation")
+        values: dict[str, dict[str, Any]] = {}
         for body in BODIES:
             here = [one for one in self.around[block] if one.body == body]
-            for name in ("von_mises", "tension", "lift", "utilisation"):
-                if here and f"inclusion_{name}" in values:
-                    top = max(
-                        here, key=lambda one: np.nan_to_num(getattr(one, name), nan=-math.inf)
-                    )
-                    values[f"inclusion_{name}"][body] = getattr(top, name)
-                    if f"inclusion_{name}_at" in values:
-                        at = top.at if name == "von_mises" else top.utilisation_at
-                        values[f"inclusion_{name}_at"][body] = at
+            for name in kinds if here else ():
+                top = max(here, key=lambda one: np.nan_to_num(getattr(one, name), nan=-math.inf))
+                values.setdefault(f"inclusion_{name}", {})[body] = getattr(top, name)
+                if name in ("von_mises", "utilisation"):
+                    at = top.at if name == "von_mises" else top.utilisation_at
+                    values.setdefault(f"inclusion_{name}_at", {})[body] = at
         return values
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
