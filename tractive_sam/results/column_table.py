@@ -147,19 +147,6 @@ _by_inclusion = partial(_inclusion, needs=("inclusion", "fatigue.limit"))
 _places: dict[str, Any] = {"dims": ("body", "position"), "over_blocks": "mean"}
 
 # fmt: off
-_INCLUSION_COLUMNS = (
-    _inclusion("inclusion_von_mises", "MPa", "largest von Mises stress next to an inclusion"),
-    _inclusion("inclusion_von_mises_at", "mm", "position (x, y, depth) of the largest von Mises "
-               "stress next to an inclusion", place_of="inclusion_von_mises", **_places),
-    _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
-    _inclusion("inclusion_lift", "mm", "largest displacement of the surface by inclusions, out of "
-                                       "the body", format=".3g"),
-    _by_inclusion("inclusion_utilisation", "1", "largest utilisation next to an inclusion",
-                  symbol="u", format=".3f"),
-    _by_inclusion("inclusion_utilisation_at", "mm", "position (y, depth) of the largest "
-                  "utilisation next to an inclusion", place_of="inclusion_utilisation", **_places),
-)
-
 FATIGUE_COLUMNS = (
     _shakedown("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
                symbol=r"\lambda_-", format=".3f", over_blocks="smallest"),
@@ -510,7 +497,35 @@ COLUMNS = (
         )
     ),
     *FATIGUE_COLUMNS,
-    *_INCLUSION_COLUMNS,
+    _inclusion("inclusion_von_mises", "MPa", "largest von Mises stress next to an inclusion"),
+    _inclusion(
+        "inclusion_von_mises_at",
+        "mm",
+        "position (x, y, depth) of the largest von Mises stress next to an inclusion",
+        place_of="inclusion_von_mises",
+        **_places,
+    ),
+    _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
+    _inclusion(
+        "inclusion_lift",
+        "mm",
+        "largest displacement of the surface by inclusions, out of the body",
+        format=".3g",
+    ),
+    _by_inclusion(
+        "inclusion_utilisation",
+        "1",
+        "largest utilisation next to an inclusion",
+        symbol="u",
+        format=".3f",
+    ),
+    _by_inclusion(
+        "inclusion_utilisation_at",
+        "mm",
+        "position (y, depth) of the largest utilisation next to an inclusion",
+        place_of="inclusion_utilisation",
+        **_places,
+    ),
     *(
         replace(error_bar_column(column), when=_has_single_load)
         for column in FATIGUE_COLUMNS
