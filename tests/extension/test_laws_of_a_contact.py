@@ -162,12 +162,15 @@ def test_a_law_of_wear_of_another_package_has_no_wear_balance(tmp_path):
         def rate(self, pressure, traction, slip):
             return 1e-6 * pressure * np.hypot(*slip)
 
-    class Wearing(ts.Coulomb):
+    class Wearing(ts.HalfSpaces):
         def describe(self):
             return "Wearing(wear=0)"
 
     own = ts.roll(PLAIN, laws=law(PLAIN, wear=Named()))
     assert np.isnan(own.wear_balance).all()
-    friction = Wearing((0.6, 0.3), 0.0)
-    same = ts.roll(PLAIN, laws=law(PLAIN, friction=friction))
+    # Wear by work depends on the coefficients, which another law of friction does not state.
+    scaled = ts.ScaledFriction(ts.Laws.of(PLAIN).friction, 0.5)
+    assert np.isnan(ts.roll(PLAIN, laws=law(PLAIN, friction=scaled)).wear_balance).all()
+    bodies = ts.Laws.of(PLAIN).elasticity
+    same = ts.roll(PLAIN, laws=law(PLAIN, elasticity=Wearing(bodies.A, bodies.B)))
     np.testing.assert_allclose(same.wear_balance[1:], 1.0, rtol=1e-7)  # of work: ten residuals

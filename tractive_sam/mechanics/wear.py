@@ -325,7 +325,7 @@ class Energy(WearLaw):
         return np.clip(first * along + second * across, lower * work, upper * work)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ArchardByWork(WearLaw):
     """Archard's wear law from the frictional work w_k = -p_k s_k along each tribological axis.
 
@@ -356,8 +356,8 @@ class ArchardByWork(WearLaw):
     mu: tuple[float, float]
     angle: float
     friction: FrictionLaw | None = None
-    x: np.ndarray | None = field(default=None, compare=False)
-    y: np.ndarray | None = field(default=None, compare=False)
+    x: np.ndarray | None = None
+    y: np.ndarray | None = None
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the wear depth per rolling distance of both bodies; negative work counts as 0."""
