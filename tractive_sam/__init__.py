@@ -29,7 +29,7 @@ builtin_names
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
 
-**Wheel and rail** WheelTable, RailTable, WheelsetTable, BlockWheelset; contact_locus,
+**Wheel and rail** WheelTable, RailTable, Grinding, WheelsetTable, BlockWheelset; contact_locus,
 wear_profiles, WornProfiles
 
 **Processes** Process, Step, StepRecord, ProcessTable, Observer, ObserverTable

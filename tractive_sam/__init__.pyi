@@ -105,6 +105,7 @@ from .scene import FatigueVolume as FatigueVolume
 from .scene import Friction as Friction
 from .scene import FrictionCourse as FrictionCourse
 from .scene import Gap as Gap
+from .scene import Grinding as Grinding
 from .scene import Heat as Heat
 from .scene import Inclusion as Inclusion
 from .scene import Load as Load

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
+import tractive_sam as ts
 from tractive_sam.rail import BUILTIN, Profile, builtin_profile, place_rail
 from tractive_sam.rail.builtin import s1002_pieces
 
@@ -120,3 +121,50 @@ def test_a_rail_that_ends_above_the_gauge_depth_is_refused():
     part = Profile(full.s[inner], full.points[inner], full.tangents[inner])
     with pytest.raises(ValueError, match="14"):
         place_rail(part, 40.0, 1435.0)
+
+
+FACTORS = (0.1, 0.3, -0.05)
+
+
+def test_grinding_removes_the_sum_of_its_splines():
+    """A spline has its width as its area, and 2/3 as its largest value."""
+    rail = builtin_profile("60E1")
+    ground = rail.ground(-12.0, 12.0, FACTORS, -1.0)
+    y, width = np.linspace(-20.0, 20.0, 4001), 24.0 / (len(FACTORS) + 3)
+    depth = ground.height(y) - rail.height(y)
+    # Along the normals: the profile is flat to 3 degrees there.
+    assert depth.sum() * 0.01 == pytest.approx(sum(FACTORS) * width, rel=5e-3)
+    # Akima's interpolant of the depth ends between nodes.
+    assert np.abs(depth[np.abs(y) > 12.0]).max() < 1e-7
+    alone = rail.ground(-12.0, 12.0, (0.3,), -1.0).height([0.0]) - rail.height([0.0])
+    assert alone == pytest.approx(0.2, rel=1e-3)
+    same = rail.ground(-12.0, 12.0, (0.0, 0.0), -1.0)
+    np.testing.assert_allclose(same.height(y), rail.height(y), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("ground", "key"),
+    [
+        ({"start": 5.0, "end": -5.0, "depths": [0.1]}, "rail.profile"),
+        ({"start": -500.0, "end": -5.0, "depths": [0.1]}, "rail.profile"),
+        ({"start": -5.0, "end": 5.0, "depths": []}, "rail.ground.depths"),
+        ({"start": -5.0, "end": 5.0, "depths": ["deep"]}, "rail.ground.depths"),
+        ({"start": -5.0, "depths": [0.1]}, "rail.ground.end"),
+    ],
+)
+def test_wrong_grinding_has_a_fault(ground, key):
+    scene = ts.Scene.builtin("wheel-rail")
+    with pytest.raises(ts.SceneError, match=key.replace(".", r"\.")):
+        scene.replace(**{"rail.ground": ground})
+
+
+@pytest.mark.slow
+def test_a_design_grinds_a_rail_for_less_pressure():
+    zero = {"start": -30.0, "end": 0.0, "depths": [0.0]}
+    scene = ts.Scene.builtin("wheel-rail").replace(subsurface=None, **{"rail.ground": zero})
+    free = [{"key": "rail.ground.depths[0]", "lower": 0.0, "upper": 0.2}]
+    table = {"scene": scene, "minimise": "p_max", "free": free, "mesh_check": False}
+    found = ts.design(table | {"tolerance": 5e-2})
+    best = scene.replace(**found.values)
+    assert 0.0 < found.values["rail.ground.depths[0]"] < 0.2
+    assert ts.solve(best).p_max < 0.9 * ts.solve(scene).p_max

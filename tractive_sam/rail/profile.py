@@ -210,6 +210,36 @@ class Profile:
         s = np.interp(number, np.arange(self.s.size), self.s)
         return self.with_nodes(np.append(s, self.s[-1]))
 
+    def ground(self, start: float, end: float, factors: ArrayLike, outward: float) -> Profile:
+        """Return the profile without a depth that is a sum of splines over its lateral position.
+
+        Parameters
+        ----------
+        start, end : float
+            Lateral positions y between which it is ground, mm.
+        factors : array_like, shape (n,)
+            Factors of n equal cubic B-splines, one beside the other: the depth normal to the
+            profile, mm. It begins and ends without a step, a kink or a jump of curvature.
+        outward : float
+            See `worn`.
+
+        Raises
+        ------
+        ValueError
+            If the profile has no such positions.
+        """
+        zeros, factors = np.zeros(3), np.asarray(factors, dtype=float)
+        first, last = self.points[:, 0].min(), self.points[:, 0].max()
+        if not first <= start < end <= last:
+            allowed = f"ascending, within {first:.4g} to {last:.4g} mm"
+            raise ValueError(f"ground: y from {start:g} to {end:g} mm; allowed: {allowed}")
+        width = (end - start) / (factors.size + 3)
+        knots = start + width * np.arange(-3, factors.size + 7)
+        depth = scipy.interpolate.BSpline(knots, np.concatenate((zeros, factors, zeros)), 3)
+        fine = self.refined(0.125 * width)
+        y = np.clip(fine.points[:, 0], start, end)
+        return fine.worn(depth(y), outward)
+
     def worn(self, depth: ArrayLike, outward: float) -> Profile:
         """Return the profile worn by depths normal to it; `outward` is 1 for wheels, -1 for rails.
 

@@ -72,6 +72,7 @@ from .wear import Coefficients as Coefficients
 from .wear import Sets as Sets
 from .wear import Wear as Wear
 from .wear import WearLaws as WearLaws
+from .wheel_rail import Grinding as Grinding
 from .wheel_rail import RailTable as RailTable
 from .wheel_rail import WheelRail as WheelRail
 from .wheel_rail import WheelsetTable as WheelsetTable

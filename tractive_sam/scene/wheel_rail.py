@@ -35,6 +35,7 @@ from tractive_sam.rail import (
 from tractive_sam.schema import (
     Check,
     Fault,
+    InnerTable,
     Positive,
     Real,
     Row,
@@ -44,6 +45,7 @@ from tractive_sam.schema import (
     entry,
     exactly_one,
     not_both,
+    optional,
     to_python,
 )
 
@@ -87,6 +89,29 @@ _FreeOrReal = Literal["free"] | Real
 _Pitch = Literal["free", "rolling-radius"] | Real
 
 
+class Grinding(Table):
+    """Material removed from a profile between two positions, by a sum of splines.
+
+    A design finds a profile by these factors, for example of the gauge corner of a rail.
+
+    Examples
+    --------
+    >>> corner = ts.Grinding(start=-34.0, end=-5.0, depths=(0.1, 0.3, 0.1))
+    >>> ts.RailTable(profile="60E1", ground=corner).ground.depths[1]
+    0.3
+    """
+
+    start: Real = entry("lateral position in the frame of the profile, mm, outward positive")
+    end: Real = entry("lateral position at which it ends, mm")
+    depths: tuple[Real, ...] = entry(
+        "factors of equal cubic B-splines side by side: depth normal to the profile, mm; negative "
+        "ones add material",
+        "a list of numbers",
+        min_length=1,
+        max_length=50,
+    )
+
+
 class _ProfileTable(Table):
     """Base class of [wheel] and [rail]: unit and smoothing of a profile file, and its reading."""
 
@@ -107,6 +132,7 @@ class _ProfileTable(Table):
     side: Literal["left", "right"] | None = entry(
         "side that is read from a file with y and z of a left and a right side", default=None
     )
+    ground: InnerTable[Grinding | None] = optional("material removed from the profile")
 
     def _describe_file(self, profile: str, kind: Literal["wheel", "rail"]) -> Iterator[str]:
         """Yield notes on what the file states and is not used, or on keys without a file."""
@@ -157,7 +183,7 @@ class WheelTable(_ProfileTable):
     profile: _WheelProfile = entry(
         "wheel profile: S1002, or a file", "S1002, or the path of a file"
     )
-    not_read: ClassVar[tuple[str, ...]] = ("profile", "radius", "tape_line")
+    not_read: ClassVar[tuple[str, ...]] = ("profile", "radius", "tape_line", "ground")
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
     tape_line: Positive = entry(
         "distance of the tread datum, the origin of the profile, from the back of the wheel, mm",
@@ -175,7 +201,7 @@ class WheelTable(_ProfileTable):
         """
         profile = self._read(self.profile, "wheel")
         check_datum(profile, self.tape_line)
-        return profile
+        return _grind(profile, self.ground, 1.0)
 
     @property
     def notes(self) -> Iterator[str]:
@@ -190,6 +216,7 @@ class WheelTable(_ProfileTable):
         """Yield a report row with the profile and the radius of the wheel."""
         line = f", tape line {self.tape_line:g} mm from the back" * (self.tape_line != 70.0)
         text = f"{Path(self.profile).name}, radius {self.radius:g} mm{line}"
+        text += _describe_ground(self.ground)
         yield Row("wheel", text, brief=True)
 
 
@@ -223,7 +250,9 @@ class RailTable(_ProfileTable):
         default=None,
     )
     checks: ClassVar[tuple[Check, ...]] = (not_both("origin", "gauge"),)
-    not_read: ClassVar[tuple[str, ...]] = ("profile", "inclination", "gauge", "origin", "passes")
+    not_read: ClassVar[tuple[str, ...]] = (
+        *("profile", "inclination", "gauge", "origin", "passes", "ground"),
+    )
 
     @property
     def curve(self) -> Any:
@@ -243,7 +272,7 @@ class RailTable(_ProfileTable):
     @property
     def unplaced_curve(self) -> Any:
         """Profile or sections of the rail in the frame of the file, without its placement."""
-        return self._read(self.profile, "rail")
+        return _grind(self._read(self.profile, "rail"), self.ground, -1.0)
 
     @property
     def notes(self) -> Iterator[str]:
@@ -254,9 +283,28 @@ class RailTable(_ProfileTable):
         """Yield a report row with the profile, inclination and gauge of the rail."""
         place = f"gauge {self.gauge:g} mm" if self.origin is None else f"origin {self.origin} mm"
         text = f"{Path(self.profile).name}, 1:{self.inclination:g}, {place}"
+        text += _describe_ground(self.ground)
         if self.profile not in BUILTIN:
             text += f", gauge side at the {'largest' if self.mirror else 'smallest'} y of the file"
         yield Row("rail", text, brief=True)
+
+
+@lru_cache(maxsize=32)
+def _grind(profile: Profile, ground: Grinding | None, outward: float) -> Profile:
+    """Return a profile without what is removed, if anything; `outward` as in `Profile.worn`."""
+    if ground is None:
+        return profile
+    if not isinstance(profile, Profile):
+        raise ValueError("ground: a file of sections; allowed: one profile")
+    return profile.ground(ground.start, ground.end, ground.depths, outward)
+
+
+def _describe_ground(ground: Any) -> str:
+    """Describe what is removed from a profile; "" for nothing."""
+    if ground is None:
+        return ""
+    largest = max(ground.depths, key=abs)
+    return f", ground from y = {ground.start:g} to {ground.end:g} mm by up to about {largest:g} mm"
 
 
 @lru_cache(maxsize=32)
