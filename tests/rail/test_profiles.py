@@ -136,8 +136,8 @@ def test_grinding_removes_the_sum_of_its_splines():
     assert depth.sum() * 0.01 == pytest.approx(sum(FACTORS) * width, rel=5e-3)
     # Akima's interpolant of the depth ends between nodes.
     assert np.abs(depth[np.abs(y) > 12.0]).max() < 1e-7
-    alone = rail.ground(-12.0, 12.0, (0.3,), -1.0).height([0.0]) - rail.height([0.0])
-    assert alone == pytest.approx(0.2, rel=1e-3)
+    single = rail.ground(-12.0, 12.0, (0.3,), -1.0).height([0.0]) - rail.height([0.0])
+    assert single == pytest.approx(0.2, rel=1e-3)
     same = rail.ground(-12.0, 12.0, (0.0, 0.0), -1.0)
     np.testing.assert_allclose(same.height(y), rail.height(y), atol=1e-12)
 

@@ -25,6 +25,7 @@ from tractive_sam.mechanics import (
     Steel,
     Turns,
 )
+from tractive_sam.rail import BUILTIN
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -84,7 +85,6 @@ from .wheel_rail import (
     WheelsetTable,
     WheelTable,
     add_wheel_contact,
-    resolve_profiles,
     without_wheel_contact,
 )
 
@@ -593,7 +593,10 @@ class Scene(TomlTable):
                     body["profile"] = str(folder / file)
                 case {"profile": {"file": str(file)}}:
                     body["profile"]["file"] = str(folder / file)
-        resolve_profiles(folder, tables)
+        for name in ("wheel", "rail"):
+            match tables.get(name):
+                case {"profile": str(profile)} if profile not in BUILTIN:
+                    tables[name]["profile"] = str(folder / profile)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
                 for profile in profiles.values():

@@ -104,11 +104,9 @@ class Grinding(Table):
     start: Real = entry("lateral position in the frame of the profile, mm, outward positive")
     end: Real = entry("lateral position at which it ends, mm")
     depths: tuple[Real, ...] = entry(
-        "factors of equal cubic B-splines side by side: depth normal to the profile, mm; negative "
-        "ones add material",
-        "a list of numbers",
+        "factors of equal cubic B-splines side by side: depths normal to the profile, mm",
+        "a list of numbers; negative ones add material",
         min_length=1,
-        max_length=50,
     )
 
 
@@ -134,13 +132,14 @@ class _ProfileTable(Table):
     )
     ground: InnerTable[Grinding | None] = optional("material removed from the profile")
 
+    reading_keys: ClassVar[tuple[str, ...]] = ("unit", "smoothing", "mirror", "side")
+
     def _describe_file(self, profile: str, kind: Literal["wheel", "rail"]) -> Iterator[str]:
         """Yield notes on what the file states and is not used, or on keys without a file."""
         if profile in BUILTIN:
-            keys = ("unit", "smoothing", "mirror", "side")
-            yield from (
-                f"{key} is not used, as {profile} is built in" for key in keys if getattr(self, key)
-            )
+            for key in self.reading_keys:
+                if getattr(self, key):
+                    yield f"{key} is not used, as {profile} is built in"
             return
         with suppress(ValueError):  # reported as a fault of the scene
             yield from self._read(profile, kind).notes
@@ -148,10 +147,7 @@ class _ProfileTable(Table):
     @property
     def reading(self) -> str:
         """Keys that influence how the file is read, see `FileContent.read`."""
-        return describe_reading(self, self.not_read)
-
-    not_read: ClassVar[tuple[str, ...]] = ()
-    """Keys without influence on the reading."""
+        return describe_reading(self, type(self).model_fields.keys() - self.reading_keys)
 
     def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Any:
         """Return a built-in profile, or the profile or sections in a file."""
@@ -183,7 +179,6 @@ class WheelTable(_ProfileTable):
     profile: _WheelProfile = entry(
         "wheel profile: S1002, or a file", "S1002, or the path of a file"
     )
-    not_read: ClassVar[tuple[str, ...]] = ("profile", "radius", "tape_line", "ground")
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
     tape_line: Positive = entry(
         "distance of the tread datum, the origin of the profile, from the back of the wheel, mm",
@@ -250,9 +245,6 @@ class RailTable(_ProfileTable):
         default=None,
     )
     checks: ClassVar[tuple[Check, ...]] = (not_both("origin", "gauge"),)
-    not_read: ClassVar[tuple[str, ...]] = (
-        *("profile", "inclination", "gauge", "origin", "passes", "ground"),
-    )
 
     @property
     def curve(self) -> Any:
@@ -725,14 +717,6 @@ WHEEL_CHECKS: tuple[Check, ...] = (
     _check_wheel_contact,
 )
 """Checks between [wheel], [rail], [wheelset] and the other tables."""
-
-
-def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
-    """Let relative paths of profile files start from a folder; the tables are changed."""
-    for name in ("wheel", "rail"):
-        match tables.get(name):
-            case {"profile": str(profile)} if profile not in BUILTIN:
-                tables[name]["profile"] = str(folder / profile)
 
 
 def without_wheel_contact(entries: dict[str, Any], contact: WheelRail) -> dict[str, Any]:
