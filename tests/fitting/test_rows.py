@@ -6,7 +6,7 @@ import pytest
 import tractive_sam as ts
 from tests.fitting.conftest import CREEPAGES, creep_data
 from tractive_sam.fitting import FitError
-from tractive_sam.fitting.run import make_problem, read_design
+from tractive_sam.fitting.run import _has_heights, make_problem, read_design
 from tractive_sam.schema import PlausibilityWarning
 
 PLACES = [0.7, 1.5, 3.3]
@@ -79,6 +79,16 @@ def test_opposite_signs_of_model_and_data_are_named(spheres, sign):
     named = [note for note in found.notes if "opposite signs" in note]
     assert len(named) == (sign < 0.0)
     assert all("Qx_over_P" in note and "creepage.longitudinal" in note for note in named)
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.02, -0.02])
+@pytest.mark.parametrize("width", [1.0, 3.0])
+def test_traces_of_heights_are_recognised(slope, width):
+    """A groove that ends within the trace or beyond it, on a tilted specimen."""
+    y = np.linspace(-2.0, 2.0, 101)
+    depth = 0.01 * np.sqrt(np.maximum(1.0 - (y / width) ** 2, 0.0)) + slope * y + 0.3
+    assert not _has_heights(y, depth)
+    assert _has_heights(y[::-1], -depth[::-1])
 
 
 def test_creep_curves_of_a_scene_that_wears_are_those_of_unworn_bodies(discs):

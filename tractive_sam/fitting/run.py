@@ -277,12 +277,30 @@ def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
     return [row / np.linalg.norm(row) for row in rows]
 
 
+def _has_heights(y: np.ndarray, depth: np.ndarray) -> bool:
+    """Return whether a trace over y lies below the line between its ends: depths lie above it."""
+    order = np.argsort(y)
+    y, depth = y[order], depth[order]
+    ends = max(1, y.size // 10)
+    places = np.concatenate((y[:ends], y[-ends:]))
+    line = np.polyfit(places, np.concatenate((depth[:ends], depth[-ends:])), 1)
+    above = depth - np.polyval(line, y)
+    return bool(above.sum() < -0.5 * np.abs(above).sum())
+
+
 def _opposite_signs(best: Estimate) -> Iterator[str]:
     """Yield a note for each data set whose model has the opposite sign in nearly all rows."""
     first = 0
     for series in best.problem.series:
         rows = slice(first, first + series.measured.points)
         first = rows.stop
+        if series.measured.data.profile:
+            y, depth = series.measured.y, series.measured.observed[:, 0]
+            if _has_heights(y, depth):
+                text = "the track lies above the ends of the trace, as in a file of heights"
+                cure = "reverse the sign of depth, which is positive into the body"
+                yield f"{series.key}: {text}; {cure}"
+            continue
         signs = np.sign(best.problem.observed[rows] * best.predicted[rows])
         opposite = int((signs < 0.0).sum())
         if opposite and opposite >= 0.8 * np.count_nonzero(signs):

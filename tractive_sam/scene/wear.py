@@ -439,8 +439,8 @@ class Wear(LawTable):
         if self.law == "energy":
             return "energy: depth proportional to the frictional work"
         if self.law == "archard":
-            inputs = "pressure and slip" if slip == "upwind" else "frictional work"
-            return f"Archard, from {inputs}"
+            through = "" if slip == "upwind" else ", computed from the frictional work"
+            return f"Archard, from pressure and slip{through}"
         return "a separate law for each body"
 
     def _describe_share(self, scene: Any) -> str:
