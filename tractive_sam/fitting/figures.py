@@ -49,7 +49,9 @@ def fit_figures(result: FitResult) -> Iterator[Drawing]:
             yield Drawing(file, caption, partial(_draw_curve, result, rows, name, title))
     determined = np.flatnonzero(np.isfinite(data["sd"].values))
     if determined.size > 1:
-        caption = "Ellipses of 68 and 95 % of each pair of parameters."
+        caption = "Ellipses of 68 and 95 % of each pair of parameters, with its correlation."
+        if left_out := [result.keys[k] for k in determined[5:]]:
+            caption += f" Not drawn: {', '.join(left_out)}."
         yield Drawing("ellipses", caption, partial(_draw_ellipses, result, determined))
     if "likelihood" in data:
         for k in np.unique(data["likelihood"].values[:, 0]).astype(int):

@@ -577,7 +577,8 @@ def confidence_ellipses(
 ) -> Figure:
     """Draw the 68 and 95 % ellipses of each pair of fitted parameters, up to the fifth one.
 
-    Predictions are linear in the values, as for linearised intervals: the axes are linear.
+    Predictions are linear in the values, as for linearised intervals: the axes are linear. Above
+    each of several panels is the correlation.
 
     Parameters
     ----------
@@ -614,11 +615,18 @@ def confidence_ellipses(
             pair = [column, row]
             _ellipses(axes, values[pair], deviations[pair], float(correlation[column, row]),
                       [limit[pair, None] for limit in limits or (-infinite, infinite)])  # fmt: skip
+            is_last, is_first = row == count - 1, column == 0
             axes.locator_params(nbins=5)
-            if row == count - 1:
-                axes.set_xlabel(names[column])
-            if column == 0:
-                axes.set_ylabel(names[row])
+            if count > 3:  # numbers at the outer axes only, for all panels of a row or a column
+                axes.locator_params(nbins=2)
+                axes.tick_params(labelbottom=is_last, labelleft=is_first)
+                axes.xaxis.offsetText.set_visible(is_last)
+                axes.yaxis.offsetText.set_visible(is_first)
+                axes.set_title(f"{correlation[column, row]:.2f}", loc="right", fontsize=7, pad=2.0)
+            if is_last:
+                axes.set_xlabel(names[column] if count <= 3 else names[column].replace(".", ".\n"))
+            if is_first:
+                axes.set_ylabel(names[row] if count <= 3 else names[row].replace(".", ".\n"))
     handles, labels = panels[0, 0].get_legend_handles_labels()
     if count > 2:
         panels[0, -1].legend(handles, labels, loc="center")
