@@ -70,10 +70,10 @@ from tractive_sam.subsurface import (
 
 
 @dataclass(frozen=True, eq=False)
-class LargestStress(Observer):
-    """Observer of the largest equivalent stress of each body, and of stress on planes.
+class _ContactObserver(Observer):
+    """Observer of the contacts of the last step alone, computed when it is recorded.
 
-    It is computed when it is recorded, so steps that are refused take no time.
+    Steps that are refused take no time.
 
     Attributes
     ----------
@@ -83,18 +83,23 @@ class LargestStress(Observer):
         The scene in numbers.
     """
 
-    name, key, unsolved = "stress", "subsurface", True
-
     contacts: tuple[State, ...] = ()
     model: Model | None = None
 
-    def begin(self, step: Any, model: Model) -> "LargestStress":
+    def begin(self, step: Any, model: Model) -> Self:
         """Return the observer with the contacts of the first step; see `Observer.begin`."""
         return self.after(step, model)
 
-    def after(self, step: Any, model: Model) -> "LargestStress":
+    def after(self, step: Any, model: Model) -> Self:
         """Return the observer with the contacts of a later step."""
-        return LargestStress(step.contacts, model)
+        return type(self)(step.contacts, model)
+
+
+@dataclass(frozen=True, eq=False)
+class LargestStress(_ContactObserver):
+    """Observer of the largest equivalent stress of each body, and of stress on planes."""
+
+    name, key, unsolved = "stress", "subsurface", True
 
     def describe(self, model: Model) -> Iterator[Row]:
         """Yield the rows (label, text) that `explain` prints for the observer."""
@@ -145,29 +150,10 @@ class LargestStress(Observer):
 
 
 @dataclass(frozen=True, eq=False)
-class AroundInclusions(Observer):
-    """Observer of the stress around inclusions, as they pass below the contact ([[inclusion]]).
-
-    Attributes
-    ----------
-    contacts : tuple of State
-        Contacts of the last step, one for each block.
-    model : Model
-        The scene in numbers.
-    """
+class AroundInclusions(_ContactObserver):
+    """Observer of the stress around inclusions, as they pass below the contact ([[inclusion]])."""
 
     name, key, unsolved = "inclusions", "inclusion", True
-
-    contacts: tuple[State, ...] = ()
-    model: Model | None = None
-
-    def begin(self, step: Any, model: Model) -> "AroundInclusions":
-        """Return the observer with the contacts of the first step; see `Observer.begin`."""
-        return self.after(step, model)
-
-    def after(self, step: Any, model: Model) -> "AroundInclusions":
-        """Return the observer with the contacts of a later step."""
-        return AroundInclusions(step.contacts, model)
 
     def bytes_needed(self, model: Model) -> float:
         """Return the memory, bytes, of the largest box of cells around inclusions."""

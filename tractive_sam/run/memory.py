@@ -228,7 +228,7 @@ def check_solve(model: Model) -> None:
         With the number of elements that fits; or if the scene names a process or an observer that
         may not be used.
     """
-    process_of(model)
+    process_of(model)  # refuses what a scene names and may not import
     # Smaller meshes take less than the program itself, and the check takes .6 ms.
     if math.prod(model.grid.elements) > 2**14:
         _check_mesh(model, contact_bytes(model))

@@ -246,16 +246,7 @@ class ConjugateGradients:
                 break
             if taken == self.iterations or not at.advance():
                 break
-        return Outcome(
-            status,
-            residual,
-            taken,
-            Cost(at.applications, at.preconditionings),
-            pressure=_scale_to_load(problem, closed(at.pressure, at.gap)),
-            gap=at.gap,
-            approach=at.approach,
-            trace=(Note("conjugate gradients", status),),
-        )
+        return at.outcome(Note("conjugate gradients", status), residual, taken)
 
 
 class _Iteration:
@@ -275,6 +266,19 @@ class _Iteration:
         self._response = pressure
         self._last: _Search | None = None
         self._set_pressure(pressure)
+
+    def outcome(self, note: Note, residual: float, taken: int) -> Outcome:
+        """Return the outcome of a method, with its status, after a number of iterations."""
+        return Outcome(
+            note.status,
+            residual,
+            taken,
+            Cost(self.applications, self.preconditionings),
+            pressure=_scale_to_load(self.problem, closed(self.pressure, self.gap)),
+            gap=self.gap,
+            approach=self.approach,
+            trace=(note,),
+        )
 
     def _set_pressure(self, pressure: np.ndarray) -> None:
         """Set the pressure, scaled to the load, and compute displacement and gap."""
@@ -477,16 +481,7 @@ class ActiveSets:
             if count:
                 last = max(int(part * count), 1) - 1
                 active = active ^ (wrong <= np.partition(wrong[wrong < 0.0], last)[last])
-        return Outcome(
-            status,
-            residual,
-            taken,
-            Cost(at.applications, at.preconditionings),
-            pressure=_scale_to_load(problem, closed(at.pressure, at.gap)),
-            gap=at.gap,
-            approach=at.approach,
-            trace=(Note("active sets", status),),
-        )
+        return at.outcome(Note("active sets", status), residual, taken)
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray, lattice: Lattice) -> float:
