@@ -332,10 +332,10 @@ def compare_levels(scene: Scene, tolerance: float = 1e-3) -> Levels:
     >>> [level.name for level in levels.levels if not level.missing][0]
     'closed form (Hertz, Carter)'
     """
-    several = [key for key in ("transient", "duty", "wheelset", "conformal") if scene.has(key)]
-    if several:
-        allowed = "none: levels are compared for a scene of steady rolling with one flat contact"
-        raise SceneError([Fault(key, "a table", allowed) for key in several])
+    steady = "levels are compared for a scene of steady rolling with one contact"
+    reasons = {key: steady for key in ("transient", "duty", "wheelset") if scene.has(key)}
+    if reasons := reasons | scene.find_exclusions("levels"):
+        raise SceneError(Fault(key, "a table", f"none: {why}") for key, why in reasons.items())
     plain = scene.replace(wear=None, fatigue=None, subsurface=None, heat=None, accuracy=None)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -348,7 +348,7 @@ def test_notes_explanation_and_figure():
         "curved patch",
         "R = 5.1 mm; B is concave",
         "Heathcote",
-        "one is convex and one concave",
+        "of a convex and a concave body",
     ):
         assert part in text
     figure = render(plot.conformal_patch(ts.solve(GROOVE)))

@@ -46,7 +46,7 @@ STRESS = {"planes": ["y=0"]}
                 "creepage.speed": 1e3,
             },
         ),
-        ("body.A.layer, elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
+        ("elasticity.law: given with body.A.layer", {"elasticity": {"law": "film_laws:Winkler"}}),
     ],
 )
 def test_faults_name_the_key(key, changes):

@@ -96,10 +96,8 @@ def check_jacobian(model: Model) -> None:
     check_extra("xarray", "jacobian")
     if model.laws.friction is None:
         raise ValueError("jacobian: friction is needed; give the scene a [friction] table")
-    if model.curved is not None:
-        raise ValueError(
-            "jacobian: the load of a [conformal] contact depends on the angle; use differences"
-        )
+    for key, reason in model.scene.find_exclusions("jacobian").items():
+        raise ValueError(f"jacobian: with {key}, {reason}")
 
 
 def jacobian_of(

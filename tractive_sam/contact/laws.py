@@ -12,7 +12,6 @@ from tractive_sam.mechanics import (
     JENDEL,
     USFD,
     VON_MISES,
-    AnisotropicHalfSpaces,
     Archard,
     ArchardByWork,
     ConstantShare,
@@ -26,20 +25,15 @@ from tractive_sam.mechanics import (
     FallingCoulomb,
     FatemiSocie,
     Findley,
-    FreeEnds,
     FrictionLaw,
-    HalfSpaces,
     InterfacialLayer,
     LateralFactor,
-    LinearHalfSpaces,
     OrthogonalShear,
     PerBody,
     Rational,
     Regimes,
-    RelaxingHalfSpaces,
     SlidingShare,
     StressCriterion,
-    Strips,
     TGammaPerArea,
     TGammaTotal,
     VolumeLife,
@@ -160,14 +154,13 @@ class Laws:
             Scene of these laws, with unworn bodies.
         """
         step = None if scene.wear is None else scene.wear.layer_step
-        elasticity = self.elasticity
-        if step is None or not isinstance(elasticity, LinearHalfSpaces):
+        if step is None:
             return self
         load = sum(contact.pressure.sum(axis=0) for contact in contacts)
         depth = sum((c.pressure.sum(axis=0) * c.wear[-1]).sum() for c in contacts)
         depth /= max(load.sum(), 1e-300)
         of_A, of_B = (float(scene.turns.share_of_entering(body) * depth) for body in "AB")
-        return self.replace(elasticity=elasticity.worn((of_A, of_B), step))
+        return self.replace(elasticity=self.elasticity.worn((of_A, of_B), step))
 
     def of_block(self, scene: Scene, block: Scene) -> "Laws":
         """Return the laws of a duty block; laws that replace those of the scene remain replaced."""
@@ -194,29 +187,8 @@ class Laws:
 
 
 def _elasticity(scene: Scene) -> Elasticity:
-    """Return half-spaces or strips, of layers if bodies have any, with the interfacial layer."""
-    if scene.conformal is not None:
-        bodies: Elasticity = scene.conformal.patch(scene).elasticity(**scene.materials)
-        return _with_layer(bodies, scene)
-    A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
-    # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
-    datum = radius if 0.0 < radius < math.inf else 0.0
-    if scene.body.has_ends:
-        ends = [body.ends for body in (scene.body.A, scene.body.B)]
-        widths = [body.width or math.inf for body in (scene.body.A, scene.body.B)]
-        width_A, width_B = (w if end else math.inf for w, end in zip(widths, ends, strict=True))
-        quick = ends[0] == "quick", ends[1] == "quick"
-        bodies = FreeEnds(A, B, (width_A, width_B), quick, datum)
-    elif scene.body.is_isotropic:
-        bodies = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
-    else:
-        (of_A, of_B), of_line = scene.body.responses.values(), datum if scene.line else None
-        law = AnisotropicHalfSpaces if scene.body.is_anisotropic else LinearHalfSpaces
-        bodies = law(of_A, of_B, of_line)
-        if scene.body.relaxes:
-            speed = required(scene.creepage.speed, "creepage.speed")
-            bodies = RelaxingHalfSpaces(of_A, of_B, of_line, speed)
-    return _with_layer(bodies, scene)
+    """Return the elastic law of the bodies of a scene, with the interfacial layer."""
+    return _with_layer((scene.conformal or scene.body).elasticity(scene), scene)
 
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:

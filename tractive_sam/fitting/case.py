@@ -90,7 +90,7 @@ def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...])
         "friction.mu[1]": "mu2",
     }
     law = scene.friction
-    if law is None or scene.conformal is not None or any(name not in FORMULAS for name in columns):
+    if law is None or scene.find_exclusions("jacobian") or not set(columns) <= FORMULAS.keys():
         return {}
     coulomb = law.law == "constant" and law.strength is None and law.temperature is None
     load = scene.load

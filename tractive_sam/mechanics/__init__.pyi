@@ -20,6 +20,7 @@ from .elasticity import InterfacialLayer as InterfacialLayer
 from .elasticity import Material as Material
 from .elasticity import SpectralHalfSpaces as SpectralHalfSpaces
 from .elasticity import Strips as Strips
+from .elasticity import SurfaceResponse as SurfaceResponse
 from .elasticity import combine as combine
 from .falling import ConstantShare as ConstantShare
 from .falling import Exponential as Exponential
@@ -63,9 +64,9 @@ from .law import fingerprint as fingerprint
 from .layers import Layer as Layer
 from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
-from .layers import SurfaceResponse as SurfaceResponse
 from .layers import TransverseMaterial as TransverseMaterial
 from .layers import contact_modulus as contact_modulus
+from .layers import pair as pair
 from .relaxation import RelaxingBody as RelaxingBody
 from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces
 from .relaxation import creep_terms as creep_terms

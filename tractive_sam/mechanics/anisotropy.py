@@ -27,8 +27,8 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign
-from tractive_sam.mechanics.elasticity import PARITIES, Material
-from tractive_sam.mechanics.hertz_contact import HertzContact
+from tractive_sam.mechanics.elasticity import PARITIES, Material, SurfaceResponse
+from tractive_sam.mechanics.hertz_contact import HertzContact, HertzLine, hertz_line
 from tractive_sam.mechanics.layers import LinearHalfSpaces
 
 _VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -36,7 +36,7 @@ _VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
 @dataclass(frozen=True)
-class AnisotropicMaterial:
+class AnisotropicMaterial(SurfaceResponse):
     """Linear elastic material with any stiffness.
 
     Parameters
@@ -130,9 +130,9 @@ class AnisotropicMaterial:
         return np.array((s[0, 2, 2].real, half + turned, half - turned, lift))
 
     @property
-    def images(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (0,) and amplitudes (4, 0) of the response that depends on wave numbers: none."""
-        return np.empty(0), np.empty((4, 0))
+    def laws(self) -> frozenset[type[LinearHalfSpaces]]:
+        """Laws that a pair with this body needs: `AnisotropicHalfSpaces`."""
+        return frozenset((AnisotropicHalfSpaces,))
 
     @property
     def tangential(self) -> Material:
@@ -220,6 +220,11 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         """Whether pressure causes tangential displacement, also of bodies of equal material."""
         return bool(self.harmonics[:, :2, 2].any() or self.images[1][3].any())
 
+    @property
+    def coupling(self) -> str:
+        """Text for the bodies."""
+        return "anisotropic bodies"
+
     def parts(self, component: str) -> Mapping[str, tuple[int, int]]:
         """Return parts of a component with their parity in x and in y (`Elasticity.parts`)."""
         return _split(self, component)[0]
@@ -274,7 +279,7 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         load: float | None = None,
         approach: float | None = None,
         pressure: float | None = None,
-    ) -> HertzContact:
+    ) -> HertzContact | HertzLine:
         """Return the Hertz contact of homogeneous bodies; its ellipse may be turned.
 
         The pressure p0 sqrt(1 - r.M^-1 r / c²), with det M = 1, displaces the surface by
@@ -287,10 +292,18 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         Parameters
         ----------
         radius_x, radius_y : float
-            Combined radii, mm.
+            Combined radii, mm; an infinite `radius_y` is that of a line contact.
         load, approach, pressure : float, optional
-            N, mm, MPa.
+            N (N/mm in a line contact), mm, MPa.
         """
+        if self.reach:  # beside layers, by the mean over directions
+            return super().hertz(
+                radius_x, radius_y, load=load, approach=approach, pressure=pressure
+            )
+        if radius_y == np.inf:
+            along_x = self.harmonics[::2, 2, 2].real
+            compliance = 2.0 * along_x.sum() - along_x[0] + self.images[1][0, 0]
+            return hertz_line(float(2.0 / compliance), radius_x, load, pressure=pressure)
         count = 4096
         s = np.zeros(count // 2 + 1, complex)
         known = min(len(self.harmonics), count // 2)

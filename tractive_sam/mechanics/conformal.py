@@ -210,6 +210,11 @@ class ConformalBodies(HalfSpaces):
         """Whether pressure causes tangential displacement: True."""
         return True
 
+    @property
+    def coupling(self) -> str:
+        """Text for the bodies, with K."""
+        return f"a convex and a concave body (K = {self.material.coupling:.4g})"
+
     def spectrum(self, n: np.ndarray, k: np.ndarray) -> Mapping[str, np.ndarray]:
         """Return displacement u_A - u_B over traction at waves around and along the cylinder.
 

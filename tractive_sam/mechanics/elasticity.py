@@ -30,8 +30,67 @@ from tractive_sam.lazy_names import accept_renamed_methods, renamed_attributes
 from tractive_sam.mechanics.law import Law
 
 
+class SurfaceResponse(ABC):
+    """Base class of half-spaces by their response to waves, the mean over their directions.
+
+    See `tractive_sam.mechanics.layers`. Subclasses are equal if they respond alike, and have a
+    hash: contacts of equal bodies are computed once.
+
+    Examples
+    --------
+    >>> class Rigid(ts.mechanics.SurfaceResponse):
+    ...     @property
+    ...     def compliances(self):
+    ...         return np.zeros(4)
+    >>> float(ts.mechanics.contact_modulus(Rigid(), ts.Material(1.0, 0.5), length=1.0))
+    4.0
+    """
+
+    is_isotropic: ClassVar[bool] = False
+    """Whether the body is homogeneous, isotropic and elastic."""
+    relaxes: ClassVar[bool] = False
+    """Whether the body dissipates, and its response depends on the rolling speed."""
+
+    @property
+    @abstractmethod
+    def compliances(self) -> np.ndarray:
+        """Limits of k (S_zz, S_LL, S_TT, |S_Lz|) for short waves, 1/MPa, shape (4,)."""
+
+    @property
+    def images(self) -> tuple[np.ndarray, np.ndarray]:
+        """Heights d_i, mm, (m,), and amplitudes c_i, 1/MPa, (4, m), without c_0; default: none."""
+        return np.empty(0), np.empty((4, 0))
+
+    @property
+    def laws(self) -> frozenset[type[Any]]:
+        """Laws that a pair with this body needs; default: none, `LinearHalfSpaces` do."""
+        return frozenset()
+
+    def reach(self, speed: float) -> float:
+        """Return the length of the waves at which the response changes, mm; 0 if it does not.
+
+        Parameters
+        ----------
+        speed : float
+            Rolling speed, mm/s.
+        """
+        return float(self.images[0].max(initial=0.0))
+
+    def factor(self, k: np.ndarray | float, speed: float) -> np.ndarray:
+        """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
+
+        Parameters
+        ----------
+        k : ndarray or float
+            Wave numbers, 1/mm.
+        speed : float
+            Rolling speed V, mm/s.
+        """
+        return np.ones_like(k)
+
+
 @dataclass(frozen=True)
-class Material:
+class Material(SurfaceResponse):
     """Linear elastic, isotropic material of one body.
 
     Parameters
@@ -54,6 +113,7 @@ class Material:
 
     shear: float
     poisson: float
+    is_isotropic = True
     recorded_name = "tractive_sam.mechanics.material.Material"
 
     def __post_init__(self) -> None:
@@ -88,11 +148,6 @@ class Material:
         """
         nu = self.poisson
         return np.array((1.0 - nu, 1.0 - nu, 1.0, 0.5 - nu)) / self.shear
-
-    @property
-    def images(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (0,) and amplitudes (4, 0) of the response that depends on wave numbers: none."""
-        return np.empty(0), np.empty((4, 0))
 
 
 @dataclass(frozen=True)
@@ -190,6 +245,11 @@ class Elasticity(Law, ABC):
         The default is False: "xz" and "yz" of `coefficients` are not used.
         """
         return False
+
+    @property
+    def coupling(self) -> str:
+        """Text for the bodies of a `coupled` law, as a description names them."""
+        return "unlike bodies"
 
     @property
     def symmetric(self) -> bool:
@@ -341,6 +401,18 @@ class Elasticity(Law, ABC):
         """Return the law for a mesh of a length in x, mm, as strips need; default: this law."""
         return self
 
+    def worn(self, depths: tuple[float, float], step: float) -> "Elasticity":
+        """Return the law without worn depths of both bodies, mm, in steps; default: this law.
+
+        Parameters
+        ----------
+        depths : (float, float)
+            mm.
+        step : float
+            See `LayeredBody.worn`.
+        """
+        return self
+
     def ends_on(self, shape: tuple[int, int], dx: float, dy: float, first: float) -> Any:
         """Return what ends of the bodies add to the normal displacement on a mesh; default: None.
 
@@ -413,6 +485,11 @@ class HalfSpaces(Elasticity):
     def coupled(self) -> bool:
         """Whether the bodies are dissimilar (K != 0): pressure causes tangential displacement."""
         return self.material.coupling != 0.0
+
+    @property
+    def coupling(self) -> str:
+        """Text for the bodies, with K."""
+        return f"unlike bodies (K = {self.material.coupling:.4g}, 0 for like bodies)"
 
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
@@ -610,6 +687,11 @@ class InterfacialLayer(Elasticity):
         return self.bodies.coupled
 
     @property
+    def coupling(self) -> str:
+        """Text for the bodies; the layer does not change it."""
+        return self.bodies.coupling
+
+    @property
     def layer(self) -> float:
         """Shear compliance of the interfacial layer, mm/MPa (`Elasticity.layer`)."""
         return self.compliance
@@ -677,6 +759,10 @@ class InterfacialLayer(Elasticity):
     def spanning(self, length: float) -> "InterfacialLayer":
         """Return bodies and layer for a mesh of the given length in x, mm."""
         return InterfacialLayer(self.bodies.spanning(length), self.compliance)
+
+    def worn(self, depths: tuple[float, float], step: float) -> "InterfacialLayer":
+        """Return the law with worn bodies (`Elasticity.worn`); the layer between them remains."""
+        return InterfacialLayer(self.bodies.worn(depths, step), self.compliance)
 
     def ends_on(self, shape: tuple[int, int], dx: float, dy: float, first: float) -> Any:
         """Return what the ends of the bodies add, as `Elasticity.ends_on`; the layer adds none."""

@@ -21,10 +21,11 @@ response by least squares with relative errors of 1e-6 and less. So there is nei
 longest wave, and distant loads act exactly as on the body below the layers.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -34,23 +35,10 @@ from tractive_sam.mechanics.elasticity import (
     HalfSpaces,
     Material,
     Strips,
+    SurfaceResponse,
     integrals_of,
 )
-
-
-class SurfaceResponse(Protocol):
-    """Protocol of a half-space: its response, or its mean over all directions in the surface."""
-
-    def __hash__(self) -> int:
-        """Return the hash of the material: contacts of equal bodies are computed once."""
-
-    @property
-    def compliances(self) -> np.ndarray:
-        """Limits of k (S_zz, S_LL, S_TT, |S_Lz|) for short waves, 1/MPa, shape (4,)."""
-
-    @property
-    def images(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights d_i, mm, shape (m,), and amplitudes c_i, 1/MPa, shape (4, m), without c_0."""
+from tractive_sam.mechanics.hertz_contact import HertzContact, HertzLine, hertz, hertz_line
 
 
 @dataclass(frozen=True)
@@ -97,7 +85,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class LayeredBody:
+class LayeredBody(SurfaceResponse):
     """Half-space with layers on each other and on the material below, bonded or with springs.
 
     Source of the waves: potentials of Papkovich and Neuber, for example Barber, Elasticity (2010),
@@ -311,6 +299,10 @@ class LayeredBody:
         """
         return _fit_images(self)
 
+    def reach(self, speed: float) -> float:
+        """Return the thickness of all layers, mm (`SurfaceResponse.reach`)."""
+        return sum(layer.thickness for layer in self.layers)
+
     def stress_images(self, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return heights d_i and amplitudes c_i of the stress at depths, less that without layers.
 
@@ -333,7 +325,7 @@ class LayeredBody:
 
 
 @dataclass(frozen=True)
-class TransverseMaterial:
+class TransverseMaterial(SurfaceResponse):
     """Material that is isotropic in its surface, with the axis of symmetry along the normal.
 
     With g = sqrt(C11 C33) the response is k S_zz = 2/E*, k S_LL = k S_zz sqrt(C33/C11), k S_TT =
@@ -384,11 +376,6 @@ class TransverseMaterial:
         return np.array(
             (zz, zz * np.sqrt(self.C33 / self.C11), 1.0 / np.sqrt(self.C44 * C66), lift)
         )
-
-    @property
-    def images(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights (0,) and amplitudes (4, 0) of the response that depends on wave numbers: none."""
-        return np.empty(0), np.empty((4, 0))
 
     @property
     def tangential(self) -> Material:
@@ -727,7 +714,64 @@ class LinearHalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.gap_per_pressure`.
         """
-        return length / contact_modulus(self.A, self.B, length)
+        return length / self.contact_modulus(length)
+
+    def at_speed(self, speed: float | None) -> "LinearHalfSpaces":
+        """Return the law at a rolling speed, mm/s, without one at rest; default: this law."""
+        return self
+
+    @property
+    def reach(self) -> float:
+        """Length of the waves at which the response changes, mm; 0 if it does not."""
+        return self.A.reach(0.0) + self.B.reach(0.0)
+
+    def contact_modulus(self, length: float) -> float:
+        """Return the contact modulus E*, MPa, for waves as long as a contact, mm."""
+        return contact_modulus(self.A, self.B, length)
+
+    def hertz(
+        self,
+        radius_x: float,
+        radius_y: float,
+        *,
+        load: float | None = None,
+        approach: float | None = None,
+        pressure: float | None = None,
+    ) -> HertzContact | HertzLine:
+        """Return the Hertz contact whose modulus is that of the bodies for waves of its length.
+
+        For homogeneous bodies it is exact. One of the last three parameters is given.
+
+        Parameters
+        ----------
+        radius_x, radius_y : float
+            Combined radii, mm; an infinite `radius_y` is that of a line contact.
+        load, approach, pressure : float, optional
+            N (N/mm in a line contact), mm, MPa.
+        """
+
+        def contact(modulus: float) -> HertzContact | HertzLine:
+            if radius_y == np.inf:
+                return hertz_line(modulus, radius_x, load, pressure=pressure)
+            return hertz(
+                modulus, radius_x, radius_y, load=load, approach=approach, pressure=pressure
+            )
+
+        if not (depth := self.reach):
+            return contact(self.contact_modulus(1.0))
+        # With a larger modulus the contact is smaller and meets more of the layers; the moduli of
+        # all lengths enclose the solution.
+        lengths = [depth * 10.0 ** (0.25 * k) for k in range(-24, 25)]
+        moduli = [math.log(self.contact_modulus(length)) for length in lengths]
+        low, high = min(moduli), max(moduli)
+        for _ in range(30):
+            middle = 0.5 * (low + high)
+            length = contact(math.exp(middle)).mean_semi_axis
+            if math.log(self.contact_modulus(length)) > middle:
+                low = middle
+            else:
+                high = middle
+        return contact(math.exp(0.5 * (low + high)))
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
         """Return tangential over normal displacement ahead of an edge, of an element's waves.
@@ -823,6 +867,22 @@ def contact_modulus(
     for body in (A, B):
         heights, amplitudes = body.images
         part = body.compliances[0] + amplitudes[0] @ np.exp(-k * heights)
-        relaxed = getattr(body, "factor", None)
-        compliance += part if relaxed is None else part * relaxed(k, speed).real
+        compliance += part * body.factor(k, speed).real
     return float(2.0 / compliance)
+
+
+def pair(A: SurfaceResponse, B: SurfaceResponse, datum: float | None = None) -> LinearHalfSpaces:
+    """Return the elastic law of two bodies: `LinearHalfSpaces`, or the law that one of them needs.
+
+    Parameters as in `LinearHalfSpaces`.
+
+    Raises
+    ------
+    ValueError
+        If the bodies need different laws.
+    """
+    if len(laws := A.laws | B.laws) > 1:
+        names = " and ".join(sorted(law.__name__ for law in laws))
+        raise ValueError(f"{names} do not combine: give bodies that need at most one of them")
+    (law,) = laws or (LinearHalfSpaces,)
+    return law(A, B, datum)

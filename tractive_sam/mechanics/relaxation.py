@@ -24,17 +24,17 @@ dissipates: of equal tractions it gives the work p . dM/dx.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from tractive_sam.mechanics.elasticity import Elasticity, Material
-from tractive_sam.mechanics.layers import LinearHalfSpaces, SurfaceResponse, contact_modulus
+from tractive_sam.mechanics.elasticity import Elasticity, Material, SurfaceResponse
+from tractive_sam.mechanics.layers import LinearHalfSpaces, contact_modulus
 
 
 @dataclass(frozen=True)
-class RelaxingBody:
+class RelaxingBody(SurfaceResponse):
     """Body whose deformation under a constant load grows with the time.
 
     Parameters
@@ -54,6 +54,7 @@ class RelaxingBody:
 
     body: SurfaceResponse
     terms: tuple[tuple[float, float], ...]
+    relaxes = True
 
     @property
     def compliances(self) -> np.ndarray:
@@ -65,15 +66,20 @@ class RelaxingBody:
         """Response of the glassy body to other waves, see `SurfaceResponse`."""
         return self.body.images
 
+    @property
+    def laws(self) -> frozenset[type[LinearHalfSpaces]]:
+        """Laws that a pair with this body needs: `RelaxingHalfSpaces`."""
+        return self.body.laws | {RelaxingHalfSpaces}
+
+    def reach(self, speed: float) -> float:
+        """Return the length of the body's layers and of its memory, mm; above 0."""
+        memory = sum(speed * time for _, time in self.terms)
+        return (self.body.reach(speed) + memory) or 1.0
+
     def factor(self, k: np.ndarray | float, speed: float) -> np.ndarray:
         """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
 
-        Parameters
-        ----------
-        k : ndarray or float
-            Wave numbers, 1/mm.
-        speed : float
-            Rolling speed V, mm/s.
+        Parameters as in `SurfaceResponse.factor`.
         """
         each = (ratio / (1.0 - 1j * np.asarray(k) * speed * time) for ratio, time in self.terms)
         return np.asarray(1.0 + sum(each))
@@ -177,16 +183,21 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
             spectrum = law.periodic(component, period, dx, dy)
             if spectrum is None:
                 return None
-            factor = body.factor(k, self.speed) if isinstance(body, RelaxingBody) else 1.0
-            total = spectrum * factor + (0.0 if total is None else total)
+            total = spectrum * body.factor(k, self.speed) + (0.0 if total is None else total)
         return total
 
-    def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return length / E*, E* for waves that are as long as the contact, mm/MPa.
+    def at_speed(self, speed: float | None) -> "RelaxingHalfSpaces":
+        """Return the law at a rolling speed, mm/s; without one at rest, long after loading."""
+        return replace(self, speed=speed or 0.0)
 
-        Parameters as in `Elasticity.gap_per_pressure`.
-        """
-        return length / contact_modulus(self.A, self.B, length, self.speed)
+    @property
+    def reach(self) -> float:
+        """Length of layers and of the memory, mm."""
+        return self.A.reach(self.speed) + self.B.reach(self.speed)
+
+    def contact_modulus(self, length: float) -> float:
+        """Return the contact modulus E*, MPa, at the rolling speed."""
+        return contact_modulus(self.A, self.B, length, self.speed)
 
     def single_body(self, body: str) -> Elasticity:
         """Return the half-spaces for the stress in a body, which tractions give at any time.

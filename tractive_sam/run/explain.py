@@ -26,23 +26,17 @@ from tractive_sam.schema import describe_tables, required
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
     """Yield rows on the coupling of pressure and tractions, and on the tangential problem."""
-    body = model.scene.body
-    K = "layers or anisotropy"
-    if body.is_isotropic:
-        K = f"K = {body.material.coupling:.4g}, 0 for like bodies"
-    unlike = "anisotropic" if body.is_anisotropic else "unlike"
-    if model.curved is not None:
-        K = f"one is convex and one concave; K = {body.material.coupling:.4g}"
+    bodies = model.elasticity.coupling
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
         coupling = (
-            f"of {unlike} bodies: pressure makes the surfaces slip and tractions lift them, so "
-            f"both is solved at once ({K})"
+            f"of {bodies}: pressure makes the surfaces slip and tractions lift them, so both is "
+            "solved at once"
         )
     elif model.elasticity.coupled:
         coupling = (
-            f"of {unlike} bodies ({K}), but without friction there are no tractions to lift "
-            "the surfaces: only the pressure is solved"
+            f"of {bodies}, but without friction there are no tractions to lift the surfaces: "
+            "only the pressure is solved"
         )
     tangential = "stick and slip"
     if model.laws.friction is None:

@@ -3,8 +3,6 @@
 from .bodies import Bodies as Bodies
 from .bodies import Body as Body
 from .bodies import Bulk as Bulk
-from .bodies import Fatigue as Fatigue
-from .bodies import FatigueVolume as FatigueVolume
 from .bodies import Heat as Heat
 from .bodies import Thermal as Thermal
 from .conformal import Conformal as Conformal
@@ -52,6 +50,8 @@ from .schedule import Profiles as Profiles
 from .schedule import Schedule as Schedule
 from .schedule import Stage as Stage
 from .schedule import Transient as Transient
+from .steel import Fatigue as Fatigue
+from .steel import FatigueVolume as FatigueVolume
 from .steel import Residual as Residual
 from .steel import ResidualStress as ResidualStress
 from .steel import Strength as Strength

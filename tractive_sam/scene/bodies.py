@@ -1,65 +1,54 @@
-"""The two bodies, the [heat] table, and the [fatigue] table: strength of their material."""
+"""The two bodies, and the [heat] table."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal, get_args
-
-from pydantic import AfterValidator, Field
+from functools import lru_cache
+from typing import Any, ClassVar, Literal
 
 from tractive_sam.mechanics import (
-    AnisotropicMaterial,
     CombinedMaterial,
+    Elasticity,
+    HalfSpaces,
     HertzContact,
     HertzLine,
-    LayeredBody,
+    LinearHalfSpaces,
     Material,
-    RelaxingBody,
+    Strips,
     SurfaceResponse,
-    TransverseMaterial,
     combine,
     combined_radius,
-    contact_modulus,
     hertz,
     hertz_line,
+    pair,
 )
 from tractive_sam.schema import (
     Check,
     Fault,
     InnerTable,
-    LawTable,
-    NamedLaw,
-    NotNegative,
     Positive,
     Radius,
     Real,
     Row,
     Table,
     ValidEntries,
-    describe_law_names,
     entry,
-    not_both,
     optional,
-    shorten,
 )
 
 from .layers import (
     BodyLayer,
+    BodyPart,
     Relaxation,
     Stiffness,
-    anisotropic_contact,
     check_constants,
     check_layers,
     check_relaxation,
-    describe_parts,
     isotropic_material,
-    layered_contact,
-    relaxing,
 )
-from .roller import RollerProfile, describe_rollers
-from .steel import Strength, check_strength_of_bodies, find_surface_strength
-from .tables import Load, check_distinct
+from .roller import RollerProfile, describe_rollers, find_ends
+from .tables import Load
 
 ABSOLUTE_ZERO = -273.15
 
@@ -288,6 +277,12 @@ class Body(Table):
         min_length=1,
         max_length=100,
     )
+    parts: ClassVar[Mapping[str, type[BodyPart]]] = {
+        "stiffness": Stiffness,
+        "layer": BodyLayer,
+        "relaxation": Relaxation,
+    }
+    """Kinds of parts that change the response, in their order, by key."""
     checks: ClassVar[tuple[Check, ...]] = (check_constants, check_layers, check_relaxation)
 
     @property
@@ -304,18 +299,36 @@ class Body(Table):
 
     @property
     def response(self) -> SurfaceResponse:
-        """Elastic constants or layers, of a body that relaxes with its terms."""
-        return relaxing(self.elastic, self.relaxation)
+        """Response of the body with all its parts; that of its material without any."""
+        return [self.material, *self._responses.values()][-1]
 
     @property
-    def elastic(self) -> SurfaceResponse:
-        """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
-        if self.stiffness is not None:
-            return self.stiffness.material
-        layers = [layer.layer for layer in self.layer]
-        while layers and layers[-1].material == self.material and not any(layers[-1].compliance):
-            layers.pop()
-        return LayeredBody(tuple(layers), self.material) if layers else self.material
+    def kinds(self) -> dict[str, Mapping[str, str]]:
+        """Keys that make the body more than isotropic and homogeneous, and what they exclude."""
+        kinds = {key: self.parts[key].excludes for key in self._responses}
+        return kinds | ({} if self.ends is None else {"ends": RollerProfile.excluded_by_ends})
+
+    @property
+    def _responses(self) -> dict[str, SurfaceResponse]:
+        """Response of the body with each of its parts that change it, from below, by key."""
+        body: SurfaceResponse = self.material
+        responses = {}
+        for key, kind in self.parts.items():
+            if given := self._given(key):
+                before, body = body, kind.change(given, body)
+                if body != before:
+                    responses[key] = body
+        return responses
+
+    def _given(self, key: str) -> tuple[Any, ...]:
+        """Return the tables of a key, none, one or several."""
+        value = getattr(self, key)
+        return value if isinstance(value, tuple) else (value,) if value is not None else ()
+
+    def describe_parts(self) -> Iterator[tuple[str, str]]:
+        """Yield labels and texts of report rows for the parts of the body."""
+        for key, kind in self.parts.items():
+            yield from kind.describe_part(self._given(key), self.response)
 
 
 def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
@@ -326,6 +339,15 @@ def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
         cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
         hardness = entries[f"{bodies[0]}.hardness"]  # if valid; otherwise it has its own fault
         yield Fault(f"{missing}.hardness", f"nothing, and {hardness:g} for body {bodies[0]}", cure)
+
+
+def _check_laws_combine(entries: ValidEntries) -> Iterator[Fault]:
+    """Report bodies that need different elastic laws."""
+    try:
+        pair(entries["A"].response, entries["B"].response)
+    except ValueError as error:
+        keys = [f"{name}.{key}" for name in "AB" for key in entries[name].kinds]
+        yield Fault(", ".join(keys), "together", str(error))
 
 
 class Bodies(Table):
@@ -342,35 +364,30 @@ class Bodies(Table):
 
     A: InnerTable[Body] = entry("the upper body")
     B: InnerTable[Body] = entry("the lower body")
-    checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both, _check_laws_combine)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: moduli and radii of each body, combined modulus and radii."""
         for name, body in (("A", self.A), ("B", self.B)):
-            material, other = body.material, body.elastic
+            material = body.material
             radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
-            if isinstance(other, (TransverseMaterial, AnisotropicMaterial)):
-                modulus = 2.0 / other.compliances[0]
-                tangential = f"G = {material.shear:.6g} MPa, nu = {material.poisson:.4g}"
-                text = f"E* = {modulus:.6g} MPa for pressure, {tangential} for traction"
-                if isinstance(other, AnisotropicMaterial):
-                    text += ", means over the directions in the surface"
+            text = text if body.stiffness is None else body.stiffness.describe_moduli()
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
-            for label, text in describe_parts(body.layer, body.response):
+            for label, text in body.describe_parts():
                 yield Row(f"{label} of {name}", text, brief=True)
         if any(body.layer for body in (self.A, self.B)):
             text = "in steps" if scene.has("wear.layer_step") else "not at all"
             yield Row("layers", f"thinned by wear {text}; heat flows as in the body below")
-        if self.is_layered and (contact := scene.hertz) is not None:
+        if self.depends_on_length and (contact := scene.hertz) is not None:
             modulus = self.contact_modulus(contact.mean_semi_axis, scene.creepage.speed)
             text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
             yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
         yield from describe_rollers(self, scene)
-        pair, (radius_x, radius_y) = self.material, self.radii
+        both, (radius_x, radius_y) = self.material, self.radii
         if self.is_isotropic:
-            yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
-        elif not self.is_layered:
+            yield Row("combined modulus", f"E* = {both.E_star:.6g} MPa, nu = {both.poisson:.4g}")
+        elif not self.depends_on_length:
             modulus = self.contact_modulus(1.0)
             yield Row("combined modulus", f"E* = {modulus:.6g} MPa for pressure")
         if scene.wheelset is None:
@@ -388,36 +405,57 @@ class Bodies(Table):
 
     @property
     def is_layered(self) -> bool:
+        """Whether a body has layers."""
+        return any("layer" in body.kinds for body in (self.A, self.B))
+
+    @property
+    def depends_on_length(self) -> bool:
         """Whether the response of a body depends on the length of the contact."""
-        lengthy = LayeredBody, RelaxingBody
-        return any(isinstance(body, lengthy) for body in self.responses.values())
+        return self.half_spaces().reach > 0.0
 
     @property
     def relaxes(self) -> bool:
         """Whether a body relaxes."""
-        return any(isinstance(body, RelaxingBody) for body in self.responses.values())
-
-    @property
-    def is_anisotropic(self) -> bool:
-        """Whether a body responds differently to waves of different direction."""
-        return any(isinstance(body, AnisotropicMaterial) for body in self.responses.values())
+        return any(body.relaxes for body in self.responses.values())
 
     @property
     def is_isotropic(self) -> bool:
         """Whether both bodies are homogeneous and isotropic."""
-        return all(isinstance(body, Material) for body in self.responses.values())
+        return all(body.is_isotropic for body in self.responses.values())
 
     @property
     def responses(self) -> dict[str, SurfaceResponse]:
         """Elastic constants or layers of each body."""
         return {"A": self.A.response, "B": self.B.response}
 
-    @property
-    def coupled(self) -> bool:
-        """Whether the bodies are dissimilar or anisotropic, so that pressure may move them."""
+    def half_spaces(
+        self, datum: float | None = None, speed: float | None = None
+    ) -> LinearHalfSpaces:
+        """Return the elastic law by the responses of both bodies, also of isotropic ones.
+
+        Parameters
+        ----------
+        datum : float, optional
+            For line contacts, see `Strips`.
+        speed : float, optional
+            Rolling speed, mm/s; without it bodies that relax are at rest.
+        """
+        return pair(self.A.response, self.B.response, datum).at_speed(speed)
+
+    def elasticity(self, scene: Any) -> Elasticity:
+        """Return the elastic law of both bodies in a scene."""
+        radius = self.radii[0]
+        # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
+        datum = radius if 0.0 < radius < math.inf else 0.0
+        if self.has_ends:
+            return find_ends(self, datum)
         if self.is_isotropic:
-            return self.material.coupling != 0.0
-        return len(set(self.responses.values())) == 2 or self.is_anisotropic
+            return (
+                Strips(**self.materials, datum=datum)
+                if scene.line
+                else HalfSpaces(**self.materials)
+            )
+        return self.half_spaces(datum if scene.line else None, scene.creepage.speed)
 
     def contact_modulus(self, length: float, speed: float | None = None) -> float:
         """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm.
@@ -426,7 +464,7 @@ class Bodies(Table):
         """
         if self.is_isotropic:
             return self.material.plane_strain_modulus
-        return contact_modulus(self.A.response, self.B.response, length, speed or 0.0)
+        return self.half_spaces(speed=speed).contact_modulus(length)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -478,14 +516,9 @@ class Bodies(Table):
         if load.approach is not None and load.approach <= 0:
             return None
         prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
-        if self.is_layered or self.is_anisotropic:
-            items, each = tuple(prescribed.items()), (self.A.response, self.B.response)
-            return (
-                layered_contact(*each, self.radii, items, speed or 0.0)
-                if self.is_layered
-                else anisotropic_contact(*each, self.radii, items)
-            )
-        e_star = self.contact_modulus(1.0)  # of all lengths
+        if not self.is_isotropic:
+            return _find_hertz(self.half_spaces(speed=speed), self.radii, *prescribed.values())
+        e_star = self.contact_modulus(1.0)
         if is_line:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         return hertz(e_star, radius_x, radius_y, **prescribed)
@@ -498,215 +531,9 @@ class Bodies(Table):
         return None if contact is None else contact.load
 
 
-_MAX_EXPONENT = 100.0
-"""Exponent of a Wöhler curve for which 1 % of the stress changes the life by a factor of e."""
-
-
-def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a table with neither a yield stress nor a limit."""
-    if not entries.given & {"shear_yield", "yield_strength", "limit", "A", "B"}:
-        cure = "[fatigue] shear_yield or yield_strength (shakedown), limit (utilisation), in MPa"
-        yield Fault("limit", "nothing, and no yield stress", cure)
-
-
-def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a sensitivity that is missing, too large or unused by the fatigue criterion."""
-    # Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
-    # bounds of the first two the fatigue limit in torsion equals that in bending.
-    sensitivities = {
-        "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2), torsion and bending limits"),
-        "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3, torsion, bending limits"),
-        "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²)), bending, torsion limits"),
-        "fatemi-socie": (10.0, "k"),
-    }
-    criterion, value = entries["criterion"], entries["sensitivity"]
-    if isinstance(criterion, NamedLaw):
-        return
-    if criterion not in sensitivities:
-        if value is not None:
-            yield Fault("sensitivity", shorten(value), f'nothing: "{criterion}" has no sensitivity')
-        return
-    upper, meaning = sensitivities[criterion]
-    allowed = f'from 0 to below {upper:.4g} for "{criterion}" ({meaning})'
-    if value is None:
-        if entries["limit"] is not None:
-            yield Fault("sensitivity", "nothing", allowed)
-    elif value >= upper:
-        yield Fault("sensitivity", shorten(value), allowed)
-
-
-def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a missing yield stress that "fatemi-socie" needs, if a fatigue limit is set."""
-    if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
-        return
-    has_yield = entries.given & {"shear_yield", "yield_strength"}
-    if not has_yield and find_surface_strength(entries, "shear_yield") is None:
-        yield Fault("yield_strength", "nothing", 'a number above 0, which "fatemi-socie" needs')
-
-
-class FatigueVolume(Table):
-    """Fatigue life of the stressed volume, with a Weibull slope.
-
-    The law is that of Lundberg and Palmgren or, with a stress limit, the law of Ioannides and
-    Harris; see `ts.VolumeLife`.
-
-    Examples
-    --------
-    >>> ts.FatigueVolume(constant=1e-34).survival
-    0.9
-    """
-
-    constant: float | None = optional(
-        "material constant A, in N, mm and cycles; without this key, no life is computed",
-        ge=1e-100,
-        le=1e100,
-    )
-    survival: float = entry(
-        "survival probability of the complete volume", default=0.9, gt=0.0, lt=1.0
-    )
-    slope: Positive | None = optional(
-        "Weibull slope; the default is 10/9, or 9/8 for a line contact"
-    )
-    limit: NotNegative = entry("stress below which there is no damage, MPa", default=0.0)
-    stress_exponent: Positive = entry(
-        "exponent of the stress", default=31.0 / 3.0, le=_MAX_EXPONENT
-    )
-    depth_exponent: NotNegative = entry("exponent of the depth", default=7.0 / 3.0, le=10.0)
-
-
-def _check_limit_is_given(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a user-defined criterion, or [fatigue.volume], without the limit of the criterion."""
-    if entries["limit"] is not None:
-        return
-    if isinstance(entries["criterion"], NamedLaw):
-        yield Fault("limit", "nothing", f"a number above 0, which {entries['criterion']} needs")
-    if entries["volume"] is not None:
-        cure = "a number above 0: [fatigue.volume] needs the utilisation of the criterion"
-        yield Fault("limit", "nothing", cure)
-
-
-CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"]
-
-
-class Fatigue(LawTable):
-    """Shakedown limits, fatigue criterion, life, and damage during wear.
-
-    The shakedown limits follow from a yield stress. The utilisation follows from the fatigue limit
-    of the criterion, and the damage from the utilisation and a Wöhler curve. The stress is
-    computed for elastic material.
-
-    The parameters of a criterion of another package are further keys. If the criterion has a
-    parameter `yield_stress` (in tension), it receives the value from the scene.
-
-    Examples
-    --------
-    >>> steel = ts.Fatigue(shear_yield=300.0, sensitivity=0.333, limit=250.0)
-    >>> steel.criterion, round(steel.yield_stress, 1)
-    ('dang-van', 519.6)
-    """
-
-    shear_yield: Positive | None = optional("yield stress in shear k, MPa")
-    yield_strength: Positive | None = optional("yield stress in tension, sqrt 3 k, MPa")
-    criterion: CriterionName | NamedLaw = entry(
-        "fatigue criterion", describe_law_names(get_args(CriterionName)), "dang-van"
-    )
-    sensitivity: NotNegative | None = optional(
-        "sensitivity of the criterion to normal stress: a for Dang Van and Crossland, k for "
-        "Findley and Fatemi-Socie",
-        "a number of at least 0; the upper bound depends on the criterion",
-    )
-    A: InnerTable[Strength | None] = optional("strength of body A over the depth")
-    B: InnerTable[Strength | None] = optional("strength of body B over the depth")
-    limit: Positive | None = Field(
-        title="fatigue limit of the criterion, MPa; the utilisation is the equivalent stress "
-        "divided by this limit, or by the limit over the depth in [fatigue.A] and [fatigue.B]; by "
-        "default, the latter at the surface",
-        default_factory=lambda entries: find_surface_strength(entries, "limit"),
-    )
-    cycles: Positive = entry("number of cycles to failure at a utilisation of 1", default=1e7)
-    exponent: Positive = entry(
-        "exponent of the Wöhler curve, life = cycles * utilisation ** -exponent",
-        default=10.0,
-        le=_MAX_EXPONENT,
-    )
-    knee: bool = entry("whether life is infinite below a utilisation of 1", default=False)
-    depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
-    elements: int = entry("number of points along the depth", default=24, ge=8, le=10**4)
-    bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
-        "bodies for which fatigue is computed", default=("A", "B"), min_length=1
-    )
-    volume: InnerTable[FatigueVolume | None] = optional("life of the stressed volume")
-    tolerance: float = entry(
-        "error of the damage, divided by the largest damage; a jump is shortened if its error "
-        "exceeds 0.3 times this tolerance; the column damage_error contains the total error",
-        default=1e-2,
-        ge=1e-6,
-        le=1.0,
-    )
-    law_key: ClassVar[str] = "criterion"
-    law_names: ClassVar[tuple[str, ...]] = get_args(CriterionName)
-    law_fields: ClassVar[tuple[str, ...]] = ("sensitivity",)
-    checks: ClassVar[tuple[Check, ...]] = (
-        not_both("shear_yield", "yield_strength"),
-        _check_table_has_purpose,
-        _check_sensitivity,
-        _check_yield_of_criterion,
-        _check_limit_is_given,
-        check_strength_of_bodies,
-    )
-
-    def describe(self, scene: Any) -> Iterator[Row]:
-        """Yield report rows: bodies, shakedown limits, life and depths of the fatigue analysis."""
-        k, hertz = self.shear_yield_stress, scene.hertz
-        shakedown = "left out: neither shear_yield nor yield_strength is given"
-        if k is not None:
-            bounds = "certain by Melan (rho_xx and rho_yy), impossible by Koiter"
-            shakedown = f"k = {k:.6g} MPa: {bounds}"
-        yield Row("bodies", ", ".join(self.bodies))
-        yield Row("shakedown", shakedown)
-        if k is not None and hertz is not None:
-            ratio = f"{hertz.p0 / k:.3g} unworn; shakedown limit of a frictionless line contact: 4"
-            yield Row("p0/k", ratio)
-        if self.limit is None:
-            yield Row("utilisation and damage", "left out: limit is not given")
-        else:
-            life = f"{self.cycles:g} cycles at {self.limit:g} MPa, to the power -{self.exponent:g}"
-            yield Row("life", f"{life}, infinite below" if self.knee else life)
-        yield Row(
-            "depths",
-            f"{self.elements} down to {self.depth:g} a; between the surface and the depth of one "
-            "element the stress changes with the square root of the depth",
-        )
-        plastic = "yielding above the shakedown limit is not modelled"
-        yield Row("stress", f"elastic: {plastic}")
-        missing = ["bending"]
-        missing += ["residual stress from manufacture"] if scene.residual is None else []
-        missing += [] if self.A or self.B else ["hardness over the depth"]
-        yield Row("not included", ", ".join(missing))
-        for body in self.bodies:
-            if getattr(self, body) is not None:
-                units = {"hardness": "HV", "limit": "MPa", "shear_yield": "MPa"}
-                curves = {name: scene.steel[body].curves.get(name) for name in units}
-                parts = [
-                    f"{name.replace('_', ' ')} {curve[1][0]:.4g} at the surface, "
-                    f"{curve[1][-1]:.4g} {units[name]} at {curve[0][-1]:.4g} mm"
-                    for name, curve in curves.items()
-                    if curve is not None
-                ]
-                yield Row(f"strength of body {body}", "; ".join(parts))
-
-    @property
-    def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, as set or sqrt(3) times k; None if neither is set.
-
-        If it is set over the depth only, the value at the surface.
-        """
-        if self.yield_strength is not None:
-            return self.yield_strength
-        k = self.shear_yield or find_surface_strength(vars(self), "shear_yield")
-        return None if k is None else math.sqrt(3.0) * k
-
-    @property
-    def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, as set or from tension over sqrt(3); None without both."""
-        return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)
+@lru_cache(64)
+def _find_hertz(
+    law: LinearHalfSpaces, radii: tuple[float, float], load: Any, approach: Any, pressure: Any
+) -> HertzContact | HertzLine:
+    """Return the Hertz contact of a law; the last ones are stored."""
+    return law.hertz(*radii, load=load, approach=approach, pressure=pressure)

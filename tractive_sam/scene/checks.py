@@ -1,20 +1,11 @@
 """Checks between the tables of a scene: contacts, prescribed forces, transients, wear."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
-from tractive_sam.mechanics import (
-    AnisotropicMaterial,
-    HertzContact,
-    HertzLine,
-    LayeredBody,
-    Material,
-    RelaxingBody,
-    TransverseMaterial,
-    full_slip_force,
-    load_to_carry,
-)
-from tractive_sam.schema import Check, Fault, ValidEntries, not_both, shorten, warn
+from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
+from tractive_sam.schema import Check, Fault, NamedLaw, ValidEntries, not_both, shorten, warn
 
 from .bodies import HEAT_CHECKS, Bodies
 from .duty import check_blocks
@@ -341,13 +332,17 @@ def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
         )
 
 
-def _check_falling_law_has_speed(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a friction law that depends on the sliding speed, without the rolling speed."""
+def _check_speed(entries: ValidEntries) -> Iterator[Fault]:
+    """Report bodies or a friction law that depend on the rolling speed, without it."""
     friction = entries["friction"]
-    if friction is None or friction.share is None or entries["creepage.speed"] is not None:
+    if entries["creepage.speed"] is not None:
         return
-    cure = f'rolling speed V, mm/s: friction.law = "{friction.law}" depends on the sliding speed'
-    yield Fault("creepage.speed", "nothing", cure)
+    if friction is not None and friction.share is not None:
+        cure = f'friction.law = "{friction.law}" depends on the sliding speed'
+        yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s: {cure}")
+    if entries["body"].relaxes:
+        cure = "rolling speed V, mm/s, which a body with relaxation needs"
+        yield Fault("creepage.speed", "nothing", cure)
 
 
 def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
@@ -376,7 +371,7 @@ def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
 def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     """Report a grid smaller than the contact."""
     elastic = entries["elasticity"]
-    if (elastic is not None and elastic.named_law) or entries["body"].is_layered:
+    if (elastic is not None and elastic.named_law) or entries["body"].depends_on_length:
         return  # layers change the size of the contact: the Hertz contact is an estimate
     if any(entries[key] is not None for key in ("gap", "wheel", "conformal")):
         return  # the Hertz ellipse is not the contact
@@ -511,45 +506,43 @@ def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"observer[{k}].name", name, "each observer once")
 
 
-def _check_responses_combine(entries: ValidEntries) -> Iterator[Fault]:
-    """Report materials other than Hooke's with keys and tables that hold for other bodies only."""
-    responses = entries["body"].responses
-    others = {b: body for b, body in responses.items() if not isinstance(body, Material)}
-    if not others:
-        return
-    names = {LayeredBody: "layer", RelaxingBody: "relaxation"}
-    kinds = {b: names.get(type(v), "stiffness") for b, v in others.items()}
-    key = ", ".join(f"body.{body}.{kind}" for body, kind in kinds.items())
-    elastic, pressure = entries["elasticity"], entries["load.pressure"]
-    if elastic is not None and elastic.named_law:
-        cure = "one of them: a user-defined law gives the response of both bodies"
-        yield Fault(f"{key}, elasticity.law", f"{elastic.named_law}, with {key}", cure)
-    if "relaxation" in kinds.values() and entries["creepage.speed"] is None:
-        yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s, which {key} needs")
-    if "relaxation" in kinds.values() and entries["transient"] is not None:
-        cure = "no [transient]: the memory of the bodies is that of steady rolling"
-        yield Fault(key, "with [transient]", cure)
-    if pressure is not None and {"layer", "relaxation"} & set(kinds.values()):
-        cure = "load.normal or load.approach: the Hertz pressure is that of homogeneous bodies"
-        yield Fault("load.pressure", f"{shorten(pressure)}, with {key}", cure)
-    if entries["wheel"] is not None:
-        cure = "nothing: the contacts of a wheel are found for homogeneous, isotropic bodies"
-        yield Fault(key, "with [wheel]", cure)
-    # Creep changes no stress that tractions cause.
-    inner = {body: getattr(other, "body", other) for body, other in others.items()}
-    crystals = TransverseMaterial, AnisotropicMaterial
-    unknown = [body for body, known in inner.items() if isinstance(known, crystals)]
-    if entries["body"].relaxes and AnisotropicMaterial in map(type, inner.values()):
-        cure = "isotropic materials, or a stiffness that is isotropic in the surface"
-        yield Fault(key, "relaxation with an anisotropic stiffness", cure)
-    for table in ("subsurface", "fatigue"):
-        for body in unknown if entries[table] is not None else ():
-            if body not in entries[f"{table}.bodies"]:
-                continue
-            known = [name for name in "AB" if name not in unknown]
-            cure = f"bodies = {known}" if known else f"no [{table}]"
-            cure += ": the stress below the surface is known in isotropic bodies only"
-            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.stiffness", cure)
+def find_exclusions(tables: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """Return why tables and keys of a scene are excluded: reasons by what excludes them, by key.
+
+    Tables and kinds of bodies list what they exclude (`excludes`, `Body.kinds`): tables, keys and
+    uses of a scene. A key "body.NAME" is that of both bodies.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables of a scene by name.
+    """
+    owners = {key: value.excludes for key, value in tables.items() if hasattr(value, "excludes")}
+    for name in "AB":
+        kinds = getattr(tables["body"], name).kinds
+        owners |= {f"body.{name}.{key}": rows for key, rows in kinds.items()}
+    found: dict[str, dict[str, str]] = {}
+    for owner, rows in owners.items():
+        for key, reason in rows.items():
+            head, _, last = key.partition("body.")
+            for each in [key] if head else [f"body.A.{last}", f"body.B.{last}"]:
+                found.setdefault(each, {})[owner] = reason
+    return found
+
+
+def _check_excluded(entries: ValidEntries) -> Iterator[Fault]:
+    """Report tables and keys that others or kinds of bodies exclude, with the reason."""
+    tables = {key: value for key, value in entries.items() if "." not in key}
+    _ = entries["body"]
+    for key, reasons in find_exclusions(tables).items():
+        value, owners = entries.get(key), list(reasons)
+        if key.endswith(".bodies"):  # only those of the list
+            owners = [owner for owner in owners if owner.split(".")[1] in (value or ())]
+        elif value in (None, ()) or (key.endswith(".law") and not isinstance(value, NamedLaw)):
+            continue
+        for reason in dict.fromkeys(reasons[owner] for owner in owners):
+            names = ", ".join(owner for owner in owners if reasons[owner] == reason)
+            yield Fault(key, f"with {names}", f"nothing: {reason}")
 
 
 SCENE_CHECKS: tuple[Check, ...] = (
@@ -559,9 +552,9 @@ SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.force_y", "creepage.lateral"),
     not_both("grid", "accuracy"),
     _check_wear_has_friction,
-    _check_falling_law_has_speed,
+    _check_speed,
     _check_bodies_can_touch,
-    _check_responses_combine,
+    _check_excluded,
     check_layers_wear,
     _check_grid_contains_contact,
     _check_slender_contact_has_grid,

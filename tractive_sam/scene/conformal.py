@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
-from tractive_sam.mechanics import CurvedPatch, Material
+from tractive_sam.mechanics import CurvedPatch, Elasticity
 from tractive_sam.schema import Fault, Real, Row, Table, ValidEntries, entry
 
 from .checks import is_line
@@ -30,10 +30,11 @@ class Conformal(Table):
         "radius": "radius_y of the bodies, negative for the groove (radius_x in a line contact)",
         "clearance": "radius_y of the bodies: their difference is the clearance",
     }
-    excluded: ClassVar[Mapping[str, str]] = {
+    excludes: ClassVar[Mapping[str, str]] = {
+        "body.profile": "a roller with a profile is straight",
         "gap": "the separation follows from the radii",
         "wheel": "a wheel on a rail has a plane for each patch",
-        "elasticity": "the bodies are a cylinder and a cylindrical hole",
+        "elasticity.law": "the bodies are a cylinder and a cylindrical hole",
         "subsurface": "the stress below a surface is known for half-spaces only",
         "fatigue": "the stress below a surface is known for half-spaces only",
         "residual": "the stress below a surface is known for half-spaces only",
@@ -42,8 +43,11 @@ class Conformal(Table):
         "process": "it may solve for a load in a plane",
         "load.force_y": "a lateral creepage has another slip at each angle: give it",
         "load.pressure": "it is that of a flat contact: give load.normal or load.approach",
+        "jacobian": "the load of a curved contact depends on the angle; use differences",
+        "levels": "levels are compared for a flat contact",
+        "tables": "the contact of a table is flat",
     }
-    """Tables and keys that a scene with [conformal] excludes, and why."""
+    """Tables, keys and uses of a scene that [conformal] excludes, and why (`find_exclusions`)."""
     angle: Real = entry(
         "contact angle at the middle of the patch, degrees: between its normal and the plane in "
         "which the bodies roll; it grows with y",
@@ -56,6 +60,10 @@ class Conformal(Table):
         """Return the geometry and motion of the patch of a scene."""
         A, B = ((body.radius_x, body.radius_y) for body in (scene.body.A, scene.body.B))
         return CurvedPatch(A, B, math.radians(self.angle), scene.line)
+
+    def elasticity(self, scene: Any) -> Elasticity:
+        """Return the elastic law of the bodies of a scene."""
+        return self.patch(scene).elasticity(**scene.materials)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: the patch, the response of the bodies, their rolling, and limits."""
@@ -79,40 +87,20 @@ class Conformal(Table):
             yield Row("worn volume", "with the circumference at the middle of the patch")
 
 
-def check_excluded(entries: ValidEntries) -> Iterator[Fault]:
-    """Report tables and keys that [conformal] excludes, with the reason."""
-    if entries["conformal"] is None:
-        return
-    for key, reason in Conformal.excluded.items():
-        if entries[key] not in (None, ()):
-            yield Fault(key, "with [conformal]", f"nothing: {reason}")
-    for name in "AB":
-        body = entries[f"body.{name}"]
-        if body.profile is not None:
-            cure = "nothing: a roller with a profile is straight"
-            yield Fault(f"body.{name}.profile", "with [conformal]", cure)
-        elif not isinstance(body.response, Material):
-            cure = "a homogeneous, isotropic, elastic body"
-            value = "layers, a stiffness or relaxation with [conformal]"
-            yield Fault(f"body.{name}", value, cure)
-    for k, block in enumerate(entries["duty"]):
-        if block.shift_y:
-            cure = "nothing: a body in a groove does not shift"
-            yield Fault(f"duty[{k}].shift_y", "with [conformal]", cure)
-    if not is_line(entries):
-        return
-    if entries["friction"] is not None:
-        cure = "nothing: around a bore the surfaces turn as they pass, which is not modelled"
-        yield Fault("friction", "with [conformal] in a line contact", cure)
-    if entries["conformal.angle"]:
-        cure = "0: a line contact curves along x"
-        yield Fault("conformal.angle", f"{entries['conformal.angle']:g} in a line contact", cure)
-
-
 def check_conformity(entries: ValidEntries) -> Iterator[Fault]:
     """Report bodies that do not conform, and contacts or meshes around half of the circle."""
     if entries["conformal"] is None:
         return
+    for k, block in enumerate(entries["duty"]):
+        if block.shift_y:
+            cure = "nothing: a body in a groove does not shift"
+            yield Fault(f"duty[{k}].shift_y", "with [conformal]", cure)
+    if is_line(entries) and entries["friction"] is not None:
+        cure = "nothing: around a bore the surfaces turn as they pass, which is not modelled"
+        yield Fault("friction", "with [conformal] in a line contact", cure)
+    if is_line(entries) and entries["conformal.angle"]:
+        cure = "0: a line contact curves along x"
+        yield Fault("conformal.angle", f"{entries['conformal.angle']:g} in a line contact", cure)
     axis = 0 if is_line(entries) else 1
     key = f"radius_{'xy'[axis]}"
     radii = [entries[f"body.{name}.{key}"] for name in "AB"]

@@ -1,29 +1,22 @@
-"""Tables for materials of a body: layers, stiffness of transverse isotropy, and relaxation."""
+"""Parts of a body that change its response: stiffness, layers and relaxation."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from functools import lru_cache
-from typing import Any, ClassVar, Literal
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 
 from tractive_sam.mechanics import (
-    AnisotropicHalfSpaces,
     AnisotropicMaterial,
-    HertzContact,
-    HertzLine,
     Layer,
     LayeredBody,
     Material,
     RelaxingBody,
     SurfaceResponse,
     TransverseMaterial,
-    contact_modulus,
     creep_terms,
-    hertz,
-    hertz_line,
 )
 from tractive_sam.schema import (
     Check,
@@ -38,6 +31,31 @@ from tractive_sam.schema import (
     optional,
     required,
 )
+
+
+class BodyPart(Table):
+    """Base class of tables of a body that change its response; `Body.parts` lists them."""
+
+    excludes: ClassVar[dict[str, str]] = {
+        "elasticity.law": "a user-defined law gives the response of both bodies",
+        "wheel": "the contacts of a wheel are found for homogeneous, isotropic bodies",
+        "conformal": "the response of a curved patch is that of homogeneous, isotropic bodies",
+        "body.ends": "ends are those of homogeneous, isotropic bodies",
+    }
+    """Tables, keys and uses of a scene that the part excludes, and why (`find_exclusions`)."""
+    internal: ClassVar[frozenset[str]] = frozenset(("change", "describe_part", "excludes"))
+
+    @classmethod
+    def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
+        """Return the response of a body with these parts; an equal one if they change nothing."""
+        raise NotImplementedError
+
+    @classmethod
+    def describe_part(
+        cls, parts: Sequence[Self], body: SurfaceResponse
+    ) -> Iterator[tuple[str, str]]:
+        """Yield labels and texts of report rows for these parts and the response with them."""
+        yield from ()
 
 
 def _complete_stiffness(entries: Mapping[str, Any]) -> np.ndarray:
@@ -158,7 +176,7 @@ def isotropic_material(young: float | None, shear: float | None, poisson: float 
     return Material(required(shear, "shear"), nu)
 
 
-class Stiffness(Table):
+class Stiffness(BodyPart):
     """Elastic stiffness of an anisotropic material, and its axes.
 
     The constants that are given state the class of symmetry: C11, C12, C44 of a cubic crystal; C11,
@@ -176,6 +194,10 @@ class Stiffness(Table):
     232514
     """
 
+    excludes = BodyPart.excludes | {
+        f"{table}.bodies": "the stress below the surface is known in isotropic bodies only"
+        for table in ("subsurface", "fatigue")
+    }
     crystals: ClassVar[Mapping[str, tuple[float, float, float, str]]] = {
         "aluminium": (106.75, 60.41, 28.34, "CRC Handbook, 98th ed."),
         "copper": (168.3, 121.2, 75.7, "Epstein & Carlson (1965), in CRC Handbook"),
@@ -230,8 +252,22 @@ class Stiffness(Table):
         """The material in the axes of the contact; in closed form if isotropic in the surface."""
         return _find_material(vars(self))
 
+    @classmethod
+    def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
+        """Return the anisotropic material (`BodyPart.change`)."""
+        return parts[0].material
 
-class BodyLayer(Table):
+    def describe_moduli(self) -> str:
+        """Return a text with the modulus for pressure and the constants for tractions."""
+        material, like = self.material, self.material.tangential
+        text = f"E* = {2.0 / material.compliances[0]:.6g} MPa for pressure, G = {like.shear:.6g} "
+        text += f"MPa, nu = {like.poisson:.4g} for traction"
+        if isinstance(material, AnisotropicMaterial):
+            text += ", means over the directions in the surface"
+        return text
+
+
+class BodyLayer(BodyPart):
     """Layer of a body on the layer or body below: a coating, a case, a rubber cover.
 
     Examples
@@ -245,6 +281,10 @@ class BodyLayer(Table):
         "hardness": "hardness of the body, which wears",
         "thermal": "thermal of the body: heat flows as in the body below",
         "compliance": "shear_compliance and normal_compliance",
+    }
+    excludes = BodyPart.excludes | {
+        "load.pressure": "the Hertz pressure is that of homogeneous bodies: load.normal or "
+        "load.approach"
     }
     thickness: Positive = entry("thickness, mm")
     young: Positive | None = optional("Young's modulus, MPa")
@@ -275,6 +315,28 @@ class BodyLayer(Table):
     def material(self) -> Material:
         """Elastic constants of the layer, at its upper face."""
         return isotropic_material(self.young, self.shear, self.poisson)
+
+    @classmethod
+    def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
+        """Return the body with layers, without lower ones that equal it (`BodyPart.change`)."""
+        assert isinstance(body, Material)  # see `check_constants`
+        layers = [part.layer for part in parts]
+        while layers and layers[-1].material == body and not any(layers[-1].compliance):
+            layers.pop()
+        return LayeredBody(tuple(layers), body) if layers else body
+
+    @classmethod
+    def describe_part(
+        cls, parts: Sequence[Self], body: SurfaceResponse
+    ) -> Iterator[tuple[str, str]]:
+        """Yield a label and a text for each layer."""
+        for k, part in enumerate(parts):
+            moduli = f"E = {part.material.young:g} MPa, nu = {part.poisson:g}"
+            moduli += ", graded" if part.gradient != "none" else ""
+            if any(compliance := part.layer.compliance):
+                springs = " and ".join(f"{value:g}" for value in compliance)
+                moduli += f", on springs with {springs} mm/MPa in shear and along the normal"
+            yield f"layer {k}", f"{part.thickness:g} mm, {moduli}"
 
 
 def check_layers(
@@ -311,18 +373,14 @@ def check_layers(
         cure = f"at least {max(thickness) / thicknesses:g} mm, a share of the thickest layer"
         yield Fault(f"layer[{k}].thickness", f"{thickness[k]:g}", cure)
         return
-    body = LayeredBody(
-        tuple(layer.layer for layer in layers),
-        Material.from_young(young, entries["poisson"]),
-    )
     try:
-        _ = body.images
+        _ = BodyLayer.change(layers, Material.from_young(young, entries["poisson"])).images
     except ValueError:
         cure = "moduli that differ less, or fewer layers: the response is not resolved"
         yield Fault("layer", f"{len(layers)} layers", cure)
 
 
-class Relaxation(Table):
+class Relaxation(BodyPart):
     """Term of a Prony series: a part of the creep of a body, or of the relaxation of its modulus.
 
     After the time t the compliance is that of young and poisson times 1 + sum of ratio (1 - exp(-t
@@ -340,6 +398,10 @@ class Relaxation(Table):
         "modulus": 'ratio, of the body\'s modulus, with of = "modulus"',
         "poisson": "poisson of the body: it does not change with the time",
     }
+    excludes = BodyLayer.excludes | {
+        "transient": "the memory of the bodies is that of steady rolling",
+        "tables": "forces of bodies that relax do not scale with load and creepage",
+    }
     ratio: NotNegative = entry(
         "part of the compliance (of the modulus: part that is lost) over that at once", le=1e6
     )
@@ -347,6 +409,25 @@ class Relaxation(Table):
     of: Literal["compliance", "modulus"] = entry(
         "what grows or falls with the time; the same in all terms of a body", default="compliance"
     )
+
+    @classmethod
+    def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
+        """Return the body with terms whose ratios are above zero (`BodyPart.change`)."""
+        pairs = tuple((term.ratio, term.time) for term in parts if term.ratio > 0.0)
+        if not pairs:
+            return body
+        return RelaxingBody(body, creep_terms(pairs) if parts[0].of == "modulus" else pairs)
+
+    @classmethod
+    def describe_part(
+        cls, parts: Sequence[Self], body: SurfaceResponse
+    ) -> Iterator[tuple[str, str]]:
+        """Yield a label and a text for the relaxation of a body."""
+        if isinstance(body, RelaxingBody):
+            share = 1.0 / body.factor(0.0, 0.0).real
+            times = ", ".join(f"{time:.4g}" for _, time in body.terms)
+            text = f"creep in {times} s; long after loading {share:.4g} of the modulus"
+            yield "relaxation", f"{text}, in all layers; each pass begins at rest"
 
 
 def check_relaxation(entries: ValidEntries) -> Iterator[Fault]:
@@ -363,37 +444,6 @@ def check_relaxation(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("relaxation[0].ratio", f"terms with the sum {lost:g}", cure)
 
 
-def relaxing(body: SurfaceResponse, terms: tuple[Relaxation, ...]) -> SurfaceResponse:
-    """Return a body with terms of relaxation; the body itself if all their ratios are zero."""
-    pairs = tuple((term.ratio, term.time) for term in terms if term.ratio > 0.0)
-    if not pairs:
-        return body
-    if terms[0].of == "modulus":
-        pairs = creep_terms(pairs)
-    return RelaxingBody(body, pairs)
-
-
-def describe_parts(
-    layers: tuple[BodyLayer, ...],
-    body: SurfaceResponse,
-) -> Iterator[tuple[str, str]]:
-    """Yield a label and a text for each layer of a body, and for its relaxation."""
-    for k, layer in enumerate(layers):
-        moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
-        moduli += ", graded" if layer.gradient != "none" else ""
-        if any(compliance := layer.layer.compliance):
-            springs = " and ".join(f"{value:g}" for value in compliance)
-            moduli += f", on springs with {springs} mm/MPa in shear and along the normal"
-        yield f"layer {k}", f"{layer.thickness:g} mm, {moduli}"
-    if isinstance(body, RelaxingBody):
-        share, times = (
-            1.0 / body.factor(0.0, 0.0).real,
-            ", ".join(f"{time:.4g}" for _, time in body.terms),
-        )
-        text = f"creep in {times} s; long after loading {share:.4g} of the modulus"
-        yield "relaxation", f"{text}, in all layers; each pass begins at rest"
-
-
 def check_constants(entries: ValidEntries) -> Iterator[Fault]:
     """Report elastic constants that are missing, or given twice."""
     given = entries.given & {"young", "shear", "poisson"}
@@ -406,54 +456,3 @@ def check_constants(entries: ValidEntries) -> Iterator[Fault]:
     if "poisson" not in given:
         yield Fault("poisson", "nothing", "a number from 0 to 0.5")
     yield from exactly_one("young", "shear")(entries)
-
-
-@lru_cache(64)
-def anisotropic_contact(
-    A: SurfaceResponse,
-    B: SurfaceResponse,
-    radii: tuple[float, float],
-    prescribed: tuple[tuple[str, float | None], ...],
-) -> HertzContact | HertzLine:
-    """Return the Hertz contact of homogeneous bodies, one or both anisotropic."""
-    law, load, (radius_x, radius_y) = AnisotropicHalfSpaces(A, B), dict(prescribed), radii
-    if radius_y < math.inf:
-        return law.hertz(radius_x, radius_y, **load)
-    along_x = law.harmonics[::2, 2, 2].real
-    compliance = 2.0 * along_x.sum() - along_x[0] + law.images[1][0, 0]
-    return hertz_line(float(2.0 / compliance), radius_x, load["load"], pressure=load["pressure"])
-
-
-@lru_cache(64)
-def layered_contact(
-    A: SurfaceResponse,
-    B: SurfaceResponse,
-    radii: tuple[float, float],
-    prescribed: tuple[tuple[str, float | None], ...],
-    speed: float = 0.0,
-) -> HertzContact | HertzLine:
-    """Return the Hertz contact whose modulus is that of the bodies for waves of its length."""
-    load = dict(prescribed)
-
-    def contact(log_modulus: float) -> HertzContact | HertzLine:
-        e_star, (radius_x, radius_y) = math.exp(log_modulus), radii
-        if radius_y == math.inf:
-            return hertz_line(e_star, radius_x, load["load"], pressure=load["pressure"])
-        return hertz(e_star, radius_x, radius_y, **load)
-
-    # With a larger modulus the contact is smaller and meets more of the layers; the moduli of all
-    # lengths enclose the solution.
-    inner = [getattr(body, "body", body) for body in (A, B)]
-    depth = sum(layer.thickness for body in inner for layer in getattr(body, "layers", ()))
-    depth += sum(speed * time for body in (A, B) for _, time in getattr(body, "terms", ()))
-    lengths = [(depth or 1.0) * 10.0 ** (0.25 * k) for k in range(-24, 25)]
-    moduli = [math.log(contact_modulus(A, B, length, speed)) for length in lengths]
-    low, high = min(moduli), max(moduli)
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        length = contact(middle).mean_semi_axis
-        if math.log(contact_modulus(A, B, length, speed)) > middle:
-            low = middle
-        else:
-            high = middle
-    return contact(0.5 * (low + high))

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from tractive_sam.mechanics import FreeEnds
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -111,6 +112,18 @@ class RollerProfile(Table):
     chamfer: NotNegative = entry(
         "length of the chamfers at 45 degrees at both ends, mm, part of body.A.width", default=0.0
     )
+    excluded_by_ends: ClassVar[Mapping[str, str]] = {
+        **dict.fromkeys(
+            ("subsurface", "fatigue", "residual", "inclusion"),
+            "the stress in the bodies is that of half-spaces, wrong near ends",
+        ),
+        "transient": "the steps of a transient are those of half-spaces",
+        "wheelset": "wheel and rail have no ends near their patch",
+        "conformal": "ends are those of cylinders, with radius_y = inf",
+        "elasticity.law": "a law of another package knows no ends",
+    }
+    """Tables of a scene that ends of a roller exclude, and why (`find_exclusions`)."""
+    internal: ClassVar[frozenset[str]] = frozenset(("excluded_by_ends",))
     checks: ClassVar[tuple[Check, ...]] = (_check_form,)
 
     @classmethod
@@ -296,8 +309,16 @@ def describe_rollers(pair: Any, scene: Any) -> Iterator[Row]:
         yield Row("edge pressure", text + "finer meshes; use p_95, or end_load")
 
 
+def find_ends(pair: Any, datum: float) -> FreeEnds:
+    """Return the elastic law of two bodies with ends, one or both."""
+    bodies = pair.A, pair.B
+    width_A, width_B = (body.width if body.ends else math.inf for body in bodies)
+    quick = pair.A.ends == "quick", pair.B.ends == "quick"
+    return FreeEnds(**pair.materials, widths=(width_A, width_B), quick=quick, datum=datum)
+
+
 def check_ends(entries: ValidEntries) -> Iterator[Fault]:
-    """Report ends of a body without width, and what is not computed near ends."""
+    """Report ends of a body without width, or of bodies that are crowned by their radius."""
     names = [name for name in "AB" if entries[f"body.{name}.ends"] is not None]
     if not names:
         return
@@ -310,20 +331,6 @@ def check_ends(entries: ValidEntries) -> Iterator[Fault]:
         if body.profile is None and body.radius_y != inf:
             cure = 'inf; a crown as profile = { form = "crowned", radius = ... }'
             yield Fault(f"body.{name}.radius_y", f"{body.radius_y:g}, with {key}", cure)
-        for part in ("layer", "stiffness", "relaxation"):
-            if getattr(body, part):
-                cure = "an elastic, isotropic body without layers: no other faces are solved for"
-                yield Fault(f"body.{name}.{part}", f"with {key}", cure)
-    stress = "nothing: the stress in the bodies is that of half-spaces, wrong near ends"
-    reasons = dict.fromkeys(("subsurface", "fatigue", "residual", "inclusion"), stress) | {
-        "transient": "nothing: the steps of a transient are those of half-spaces",
-        "wheelset": "nothing: wheel and rail have no ends near their patch",
-        "conformal": "nothing: ends are those of cylinders, with radius_y = inf",
-        "elasticity": "nothing: a law of another package knows no ends",
-    }
-    yield from (
-        Fault(table, f"with {key}", reason) for table, reason in reasons.items() if entries[table]
-    )
 
 
 def check_roller(entries: ValidEntries) -> Iterator[Fault]:

@@ -44,9 +44,9 @@ from tractive_sam.schema import (
     warn,
 )
 
-from .bodies import STEEL, Bodies, Fatigue, Heat, Thermal
-from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
-from .conformal import Conformal, check_conformity, check_excluded
+from .bodies import STEEL, Bodies, Heat, Thermal
+from .checks import SCENE_CHECKS, find_exclusions, unequal_turns, warn_if_large
+from .conformal import Conformal, check_conformity
 from .duty import (
     Block,
     Spectrum,
@@ -63,7 +63,7 @@ from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
 from .roller import add_roller_gap, check_ends, check_roller, check_tilt
 from .schedule import ObserverTable, ProcessTable, Schedule, Transient
-from .steel import Residual, check_rolled_stress, find_steel
+from .steel import Fatigue, Residual, check_rolled_stress, find_steel
 from .tables import (
     Accuracy,
     Creepage,
@@ -213,7 +213,6 @@ class Scene(TomlTable):
         check_ends,
         check_tilt,
         check_conformity,
-        check_excluded,
     )
     internal: ClassVar[frozenset[str]] = frozenset(
         (
@@ -227,7 +226,7 @@ class Scene(TomlTable):
                 "has_fixed_domain",
             ),
             *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
-            *("has_gap", "wheel_rail", "opposite_wheel", "without_blocks"),
+            *("find_exclusions", "has_gap", "wheel_rail", "opposite_wheel", "without_blocks"),
         )
     )
 
@@ -279,6 +278,16 @@ class Scene(TomlTable):
         elements = None if self.grid is None else self.grid.elements
         grid = {"elements": elements} if elements else None
         return self.without_blocks.replace(**{"wheelset.side": side, **changes, "grid": grid})
+
+    def find_exclusions(self, use: str) -> dict[str, str]:
+        """Return why a use of the scene is excluded, by key; empty if it is not.
+
+        Parameters
+        ----------
+        use : str
+            "jacobian", "levels" (`compare_levels`) or "tables" (of creep forces).
+        """
+        return find_exclusions(vars(self)).get(use, {})
 
     @property
     def has_gap(self) -> bool:

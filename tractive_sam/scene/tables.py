@@ -263,7 +263,7 @@ class Load(Table):
         if scene.wheelset is not None:
             return  # reported with the wheelset; its patches are no Hertz contacts
         hertz, unit = scene.hertz, scene.force_unit
-        by = "by Hertz, with the equivalent modulus" if scene.body.is_layered else "by Hertz"
+        by = "by Hertz, with the equivalent modulus" if scene.body.depends_on_length else "by Hertz"
         key, value = self.prescribed_key, getattr(self, self.prescribed_key)
         name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
             key, ("p0", f"MPa {by}, unworn")

@@ -579,11 +579,11 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
     scene = entries["scene"]
     if scene is None:
         return
-    for key in ("process", "transient", "duty", "conformal"):
+    for key in ("process", "transient", "duty"):
         if getattr(scene, key):
-            yield Fault(
-                f"scene.{key}", "a table", "none: the contact of a table is steady and flat"
-            )
+            yield Fault(f"scene.{key}", "a table", "none: the contact of a table is steady")
+    for key, reason in scene.find_exclusions("tables").items():
+        yield Fault(f"scene.{key}", "a table", f"none: {reason}")
     if scene.friction is None:
         yield Fault("scene.friction", "nothing", "friction, or there are no creep forces")
     for key in ("force_x", "force_y"):
@@ -596,9 +596,6 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
     if scene.hertz is None or scene.body.infinitely_long:
         yield Fault("scene.body", "no contact of Hertz", "radii that close in x and y")
-    if scene.body.relaxes:
-        cure = "elastic bodies: forces of bodies that relax do not scale with load and creepage"
-        yield Fault("scene.body", "a body that relaxes", cure)
 
 
 class TableDesign(TomlTable):
@@ -794,7 +791,7 @@ def _is_mirror_symmetric(scene: Scene) -> bool:
 
 def _reverses_with_creepages(scene: Scene) -> bool:
     """Return whether forces reverse with creepages: no elastic coupling, no user-defined law."""
-    return not scene.body.coupled and not _has_named_law(scene)
+    return not (scene.body.elasticity(scene).coupled or _has_named_law(scene))
 
 
 def _has_named_law(scene: Scene) -> bool:
