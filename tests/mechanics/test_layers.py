@@ -233,6 +233,30 @@ def test_exponentials_fit_the_response_of_a_graded_layer(shear, poisson):
     assert (abs(fitted - body.response(k)) / body.response(k)[[0, 1, 2, 1]]).max() < 2e-6
 
 
+def test_exponentials_fit_the_longest_waves_of_graded_layers():
+    parts = ((0.5, 300.0, 0.3), (0.1, 0.1, 0.45), (0.3, 5.0, 0.2))
+    layers = (ts.Layer(h, ts.Material(G, nu), "exponential") for h, G, nu in parts)
+    body = ts.LayeredBody(tuple(layers), BASE)
+    heights, amplitudes = body.images
+    k = np.geomspace(1e-6, 1e-2, 41)
+    fitted = body.compliances[:, None] + amplitudes @ np.exp(-np.outer(heights, k))
+    # Digits that the response loses in the longest waves.
+    assert (abs(fitted - body.response(k)) / body.response(k)[[0, 1, 2, 1]]).max() < 1e-4
+
+
+def test_the_opening_ahead_of_a_line_does_not_depend_on_the_unit_of_length():
+    """A line has no side across it, and 1 stands for its length."""
+    normal = np.array([[1.0, -1.0], [0.0, 0.0]])
+    laws = [
+        ts.LinearHalfSpaces(coated(0.2, thickness=scale), BASE, datum=10.0 * scale)
+        for scale in (1.0, 1e3)
+    ]
+    small, large = (
+        law.opening(normal, 0.1 * scale, 1.0) for law, scale in zip(laws, (1.0, 1e3), strict=True)
+    )
+    np.testing.assert_allclose(small, large, rtol=1e-6)  # of the fits of both responses
+
+
 def test_gradient_without_change_is_a_plain_layer():
     layers = tuple(ts.Layer(1.0, BASE, gradient) for gradient in ("none", "exponential"))
     plain, same = (ts.LayeredBody((layer,), BASE).response(np.ones(1)) for layer in layers)

@@ -254,8 +254,7 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
 
         It is the ratio of the responses to waves across the edge.
         """
-        heights, amplitudes = self.images
-        zz, LL, TT, _ = amplitudes @ np.exp(-np.pi / max(dx, dy) * heights)
+        zz, LL, TT = self.shortest(dx, dy)
         across = np.einsum("am,bm->mab", normal, normal)
         even, angle = self.harmonics[::2], np.arctan2(normal[1], normal[0])
         waves = np.exp(2j * np.outer(angle, np.arange(len(even))))

@@ -544,9 +544,9 @@ def _sample(
     longest = 100.0 * depth * max(moduli) / min(moduli)
     springs = [max(layer.compliance) for layer in body.layers]
     longest = max(longest, 100.0 * max(springs) * max(moduli), 30.0 * deepest)
-    smallest, largest = 0.01 / longest, 40.0 / first
     if any(layer.gradient != "none" for layer in body.layers):
-        smallest = max(smallest, 1e-3 / depth)  # longer ones lose digits
+        longest = min(longest, 1e3 * depth)  # longer waves lose digits
+    smallest, largest = 0.01 / longest, 40.0 / first
     if body.layers[0].gradient != "none":  # the response tends to that of the surface as 1/k
         first, largest = 1e-3 * first, 4e3 / first
     heights = 0.5 * first * ratio ** np.arange(np.log(longest / (0.5 * first)) / np.log(ratio))
@@ -778,10 +778,15 @@ class LinearHalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.opening`.
         """
-        heights, amplitudes = self.images
-        zz, LL, TT, _ = amplitudes @ np.exp(-np.pi / max(dx, dy) * heights)
+        zz, LL, TT = self.shortest(dx, dy)
         across = np.einsum("am,bm->mab", normal, normal)
         return (TT * np.eye(2) + (LL - TT) * across) / zz
+
+    def shortest(self, dx: float, dy: float) -> np.ndarray:
+        """Return k (S_zz, S_LL, S_TT) for waves two elements long, 1/MPa; in a line along x."""
+        heights, amplitudes = self.images
+        side = max(dx, dy) if self.datum is None else dx
+        return (amplitudes @ np.exp(-np.pi / side * heights))[:3]
 
     def worn(self, depths: tuple[float, float], step: float) -> "LinearHalfSpaces":
         """Return the law without worn depths of both bodies, mm, in steps (`LayeredBody.worn`)."""

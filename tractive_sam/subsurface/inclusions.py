@@ -27,7 +27,8 @@ from tractive_sam.results import COMPONENTS, PlaneStress, Point, State
 from tractive_sam.scene import Inclusion, Plane
 from tractive_sam.solvers import gmres
 from tractive_sam.subsurface.fatigue_cycles import LocalSteel
-from tractive_sam.subsurface.stress_fields import stress_layers, worn_depth
+from tractive_sam.subsurface.sources import SIGNS
+from tractive_sam.subsurface.stress_fields import stress_at, stress_layers, worn_depth
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +264,15 @@ eigenstrain_box = lru_cache(4)(EigenstrainBox)
 """The box of its arguments, with its spectra after its first use."""
 
 
+def _chebyshev(at: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the interpolation (n, count) from Chebyshev nodes to positions (n,), and the nodes."""
+    centre, half = 0.5 * (at[0] + at[-1]), 0.5 * (at[-1] - at[0])
+    known = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+    scaled = np.clip((at - centre) / half, -1.0, 1.0)
+    here, there = (np.cos(np.arccos(v)[:, None] * np.arange(count)) for v in (scaled, known))
+    return here @ np.linalg.inv(there), centre + half * known
+
+
 def _like(normals: np.ndarray, field: np.ndarray) -> np.ndarray:
     """Return normals (3, n) in the dimensions of a field (3, ..., n)."""
     return normals.reshape(3, *(1,) * (field.ndim - 2), -1)
@@ -482,30 +492,40 @@ class _Passing:
         reach = self.contact.half_width_x + 3.0 * depth
         return self.contact.grid.centre[0] + np.linspace(reach, -reach, self.moments)
 
+    @property
+    def signs(self) -> np.ndarray:
+        """Factors of stress components between the axis z of the contact and the depth, (6,)."""
+        return np.array([1.0] * 4 + [SIGNS[self.body]] * 2)
+
     def loads(self, group: InclusionGroup) -> Iterator[np.ndarray]:
-        """Yield the stress (6, n_z, n_x, n_y) without inclusions in a box, by position."""
+        """Yield the stress (6, n_z, n_x, n_y) without inclusions in a box, by position.
+
+        Its axes are x, y and the depth.
+        """
         depth, x, y = group.cells
         grid = self.contact.grid
-        centre, half = 0.5 * (depth[0] + depth[-1]), 0.5 * (depth[-1] - depth[0])
-        cosines = np.cos(np.pi * (np.arange(self.nodes) + 0.5) / self.nodes)
+        at_depth, depths = _chebyshev(depth, self.nodes)
         reach = np.abs(self.x - grid.centre[0]).max() + np.ptp(x)
         beyond = max(0, math.ceil((reach - grid.half_length[0]) / grid.dx) + 2)
-        layers = stress_layers(
-            self.contact, centre + half * cosines, self.body, beyond, 1, self.laws, residual=False
-        )
-        values = np.stack([stress[0] for _, stress in layers])  # depth, component, x, y
-        # Chebyshev polynomials over the depth, splines over x and y.
-        order = np.arange(self.nodes)
-        scaled = np.clip((depth - centre) / half, -1.0, 1.0)
-        here, known = (np.cos(np.arccos(at)[:, None] * order) for at in (scaled, cosines))
-        at_depth = here @ np.linalg.inv(known)
-        values = np.tensordot(at_depth, values, 1)
-        if grid.y.size > 3:
-            spline = scipy.interpolate.CubicSpline(grid.y, values, axis=3)
-            values = spline(np.clip(y, grid.y[0], grid.y[-1]))
-        else:  # a line contact
-            values = np.repeat(values[..., :1], y.size, axis=3)
-        course = scipy.interpolate.CubicSpline(grid.lengthened(beyond).x, values, axis=2)
+        along = grid.lengthened(beyond).x
+        if grid.y.size > 3 and (y[0] < grid.y[0] or y[-1] > grid.y[-1]):  # outside the mesh
+            at_y, rows = _chebyshev(y, self.nodes)
+            points = np.stack(np.meshgrid(depths, along, rows, indexing="ij"), axis=-1)
+            stress = stress_at(
+                self.contact, points.reshape(-1, 3)[:, [1, 2, 0]], self.body, self.laws, False
+            )
+            values = stress.reshape(*points.shape[:3], 6).transpose(0, 3, 1, 2) @ at_y.T
+        else:
+            layers = stress_layers(
+                self.contact, depths, self.body, beyond, 1, self.laws, residual=False
+            )
+            values = np.stack([stress[0] for _, stress in layers])  # depth, component, x, y
+            if grid.y.size > 3:
+                values = scipy.interpolate.CubicSpline(grid.y, values, axis=3)(y)
+            else:  # a line contact
+                values = np.repeat(values[..., :1], y.size, axis=3)
+        values = np.tensordot(at_depth, values, 1) * self.signs[:, None, None]
+        course = scipy.interpolate.CubicSpline(along, values, axis=2)
         for place in self.x:
             yield course(place + x - x.mean()).swapaxes(0, 1)
 
@@ -610,7 +630,7 @@ class _Passing:
             values[..., z.size - len(stress[0]) :] = stress[..., row].swapaxes(1, 2)
         axes = {"along": x - self.group.places[k][0], "depth": z}
         plane = Plane("y", float(y[row]), label=f"inclusion-{self.numbers[k] + 1}")
-        components = dict(zip(COMPONENTS, values, strict=True))
+        components = dict(zip(COMPONENTS, values * self.signs[:, None, None], strict=True))
         return PlaneStress(self.body, plane, plane.number, axes, components)
 
     def results(self) -> dict[int, InclusionStress]:

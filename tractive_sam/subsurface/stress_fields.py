@@ -321,7 +321,11 @@ def stress_volume(
 
 
 def stress_at(
-    contact: State, points: ArrayLike, body: str = "A", laws: Laws | None = None
+    contact: State,
+    points: ArrayLike,
+    body: str = "A",
+    laws: Laws | None = None,
+    residual: bool = True,
 ) -> np.ndarray:
     """Return the stress (n, 6) of a body at points (n, 3), an exact sum over the elements.
 
@@ -339,6 +343,8 @@ def stress_at(
         The body.
     laws : Laws, optional
         Laws of the bodies; by default the laws of the solution.
+    residual : bool
+        Whether to add the residual stress of the scene.
 
     Returns
     -------
@@ -362,7 +368,7 @@ def stress_at(
         raise ValueError(f"points must have the shape (n, 3), not {points.shape}")
     if not np.isfinite(points).all() or (points[:, 2] < 0.0).any():
         raise ValueError("points must be finite, with a depth of at least 0")
-    load = LoadedBodies.from_contact(contact, (body,), laws)
+    load = LoadedBodies.from_contact(contact, (body,), laws, residual=residual)
     return load.in_contact_axes(load.source.at(points))[0].T
 
 
