@@ -46,13 +46,16 @@ SLOW = {
 
 
 def list_names():
-    """Yield each public name that is callable, with its room."""
+    """Yield each public object that is callable once, with the first room that names it."""
+    listed = set()
     for room in ROOMS:
         for name in dir(import_module(room)):
             path = f"{room}.{name}"
             marks = [pytest.mark.slow] if path in SLOW else []
             is_of_studies = name in tractive_sam.studies.__all__
-            if callable(getattr(import_module(room), name)) and not is_of_studies:
+            entry = getattr(import_module(room), name)
+            if callable(entry) and not is_of_studies and id(entry) not in listed:
+                listed.add(id(entry))
                 yield pytest.param(room, name, marks=marks, id=path)
 
 
