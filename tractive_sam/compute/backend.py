@@ -12,6 +12,8 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from tractive_sam.kernels import linear_algebra
+
 Array = Any
 """An array of any library; the type of NumPy's would exclude all others."""
 
@@ -39,6 +41,35 @@ class Mirror:
     def whole(self, count: int) -> int:
         """Return the number of rows of a mesh with `count` rows in its upper half."""
         return 2 * count - 1 + self.between
+
+    @classmethod
+    def of(cls, field: np.ndarray, rounding: float = 0.0) -> "Mirror | None":
+        """Return the symmetry of a vector field about the middle of its mesh, or None.
+
+        Parameters
+        ----------
+        field : ndarray, shape (2, n_x, n_y)
+            The field.
+        rounding : float
+            Difference of both halves, over the largest value, that is ignored.
+        """
+        even, odd = (
+            [linear_algebra.asymmetry(part, sign) for part in field] for sign in (1.0, -1.0)
+        )
+        limit, between = rounding * max(size for _, size in even), field.shape[2] % 2 == 0
+        if even[0][0] <= limit and odd[1][0] <= limit:
+            return cls(0, between)
+        return cls(1, between) if even[1][0] <= limit and odd[0][0] <= limit else None
+
+    def unfold(self, half: np.ndarray) -> np.ndarray:
+        """Return fields (..., n_x, n_y) on the whole mesh from those on its upper half."""
+        above = self.whole(half.shape[-1]) - half.shape[-1]
+        fields = np.empty((*half.shape[:-1], above + half.shape[-1]), half.dtype)
+        fields[..., above:] = half
+        fields[..., :above] = half[..., ::-1][..., :above]
+        if half.ndim == 3:
+            fields[1 - self.even, :, :above] *= -1.0
+        return fields
 
 
 class Backend(Protocol):

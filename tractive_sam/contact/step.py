@@ -34,7 +34,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.compute import ConvolutionMeter
+from tractive_sam.compute import ConvolutionMeter, Mirror
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of
 from tractive_sam.mechanics import (
@@ -471,8 +471,6 @@ class Stepper:
         start = self._start(problem, before, motion, inputs, expected, earlier, ratio)
         outcome = self._solve(problem, start, advection.length)
         result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost
-        if ratio > 0.0:
-            result = replace(result, extrapolation_error=result.contact.traction - expected)
         if result.contact.converged:
             if len(problem.forces):
                 slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
@@ -484,7 +482,8 @@ class Stepper:
                 result = self.wear.add_wear(inputs, result, advection, law, groups)
         contact = result.contact.with_cost(replace(cost, **meter.work))
         contact.reuse_values(before.contact)
-        return replace(result, contact=contact)
+        missed = contact.traction - expected if ratio > 0.0 else None
+        return replace(result, contact=contact, extrapolation_error=missed)
 
     def _motion(
         self, before: StepResult, inputs: StepInput, advection: Advection
@@ -612,11 +611,17 @@ class Stepper:
         if result.displacement.shape[1] >= nx + reach:
             return result.displacement[:, : nx + reach]
         fields = self.model.scaled_fields(result.contact)
-        nodes = np.zeros((len(fields), nx + reach, fields.shape[2]))
-        nodes[:, :nx] = fields
-        operators = self.operators.part(nodes.shape[1:]) if reach else self.operators
+        # Solved on the upper half, they are equal on both.
+        mirror = Mirror.of(fields) if self.operators.keep_symmetry else None
+        first = 0 if mirror is None else fields.shape[2] // 2
+        nodes = np.zeros((len(fields), nx + reach, fields.shape[2] - first))
+        nodes[:, :nx] = fields[..., first:]
+        operators = self.operators
+        if reach or mirror:
+            operators = operators.part(nodes.shape[1:], mirror, first)
         with_pressure = len(fields) == 3
-        return (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
+        moved = (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
+        return moved if mirror is None else mirror.unfold(moved)
 
     def rigid_slip(
         self, inputs: StepInput, advection: Advection, middle: np.ndarray | float

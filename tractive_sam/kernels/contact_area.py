@@ -1,5 +1,7 @@
 """Contact area in elements, bounded by lines between the points of the contact edge."""
 
+from math import sqrt
+
 from tractive_sam.kernels.compiled import compiled
 from tractive_sam.kernels.contact_edge import edge_place
 
@@ -49,3 +51,42 @@ def covered_area(pressure):
                 else:
                     area += 0.5 * (left * upper + right * lower)
     return area
+
+
+@compiled
+def bound_reserve(pressure, traction, sliding, scaling, reserve):
+    """Set `reserve` to the pressure less the scaled traction of elements that stick, else to zero.
+
+    Parameters
+    ----------
+    pressure, sliding, reserve : ndarray, shape (n_x, n_y)
+        Pressure, mask of the elements that slide, and output, at least zero.
+    traction : ndarray, shape (2, n_x, n_y)
+        Traction.
+    scaling : ndarray, shape (2, 2)
+        Matrix from tractions to scaled ones (`mechanics.frame`).
+
+    Returns
+    -------
+    stuck, slid : int
+        Elements in contact that stick and that slide.
+    lacks : float
+        Largest distance of the scaled traction from the pressure in elements that slide.
+    """
+    stuck, slid, lacks = 0, 0, 0.0
+    for i in range(pressure.shape[0]):
+        for j in range(pressure.shape[1]):
+            reserve[i, j] = 0.0
+            if not pressure[i, j] > 0.0:
+                continue
+            x, y = traction[0, i, j], traction[1, i, j]
+            first = scaling[0, 0] * x + scaling[0, 1] * y
+            second = scaling[1, 0] * x + scaling[1, 1] * y
+            lack = pressure[i, j] - sqrt(first * first + second * second)
+            if sliding[i, j]:
+                slid += 1
+                lacks = max(lacks, abs(lack))
+            else:
+                stuck += 1
+                reserve[i, j] = max(lack, 0.0)
+    return stuck, slid, lacks

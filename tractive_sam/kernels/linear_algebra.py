@@ -4,7 +4,7 @@ NumPy would take one pass for every term. The products are the only work of a co
 its two transforms.
 """
 
-from math import inf, sqrt
+from math import inf, isnan, sqrt
 
 import numpy as np
 
@@ -74,6 +74,18 @@ def extend_basis(basis, k, residual, triangle, along, rounding):
     return sqrt(_dot(residual, residual))
 
 
+@compiled
+def solve_triangle(triangle, right, count):
+    """Return x, shape (count,), with the upper triangle times x equal to the right-hand side."""
+    x = np.empty(count)
+    for i in range(count - 1, -1, -1):
+        total = right[i]
+        for j in range(i + 1, count):
+            total -= triangle[i, j] * x[j]
+        x[i] = total / triangle[i, i]
+    return x
+
+
 def scalar(s, h):
     """Multiply a spectrum in place by a scalar spectrum: h[0] = s[0] h[0], (1, m) complex."""
     np.multiply(s, h, out=h)
@@ -118,6 +130,22 @@ def mirrored(s, h):
             opposite[k] = np.conj(column[px - k])
         for k in range(px):
             column[k] = direct[k] * column[k] + crossed[k] * opposite[k]
+
+
+@compiled
+def asymmetry(field, sign):
+    """Return the largest |f(y) - sign f(-y)| and the largest |f| of a field; nan if one is nan."""
+    nx, ny = field.shape
+    apart = size = 0.0
+    for i in range(nx):
+        for j in range((ny + 1) // 2):
+            here, there = field[i, j], field[i, ny - 1 - j]
+            difference = abs(here - sign * there)
+            if isnan(difference):
+                return difference, difference
+            apart = max(apart, difference)
+            size = max(size, abs(here), abs(there))
+    return apart, size
 
 
 @compiled

@@ -358,6 +358,14 @@ class Operators:
         return self.on(replace(self.lattice, reach=0.4), self.ends)
 
     @cached_property
+    def keep_symmetry(self) -> bool:
+        """Whether the slip and gap by a traction that is symmetric in y are so, too (`Mirror`)."""
+        (_, first), (second, _) = self.frame.matrix
+        parts = map(self.elasticity.parts, ("xx", "xy", "yy", "zz"))
+        # Crystals may lack symmetry about the axes.
+        return not (first or second or self.elasticity.coupled or max(map(len, parts)) > 1)
+
+    @cached_property
     def part(self) -> Callable[..., "Operators"]:
         """Function that returns the operators on a lattice of another shape (n_x, n_y).
 

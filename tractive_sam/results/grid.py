@@ -44,7 +44,7 @@ class Grid:
 
     def shifted(self, shift: float) -> "Grid":
         """Return the grid with another lateral offset, mm, from which y is measured."""
-        return replace(self, shift=shift)
+        return self if shift == self.shift else replace(self, shift=shift)
 
     @property
     def line(self) -> bool:

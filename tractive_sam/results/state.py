@@ -586,14 +586,17 @@ class State:
         pressure does at the edge of the contact. So both areas end between the centres of elements.
         If the bound is not the pressure, the distance may jump; then elements are counted.
         """
-        if not self.sticking.any():
+        from tractive_sam.kernels.contact_area import bound_reserve  # noqa: PLC0415
+
+        reserve, scaling = np.empty(self.pressure.shape), np.zeros((2, 2))
+        if self.frame is not None:
+            scaling = np.ascontiguousarray(self.frame.inverse.T)
+        fields = self.pressure, self.traction, self.sliding
+        stuck, slid, lacks = bound_reserve(*fields, scaling, reserve)
+        if not stuck:
             return 0.0
-        lacks = self.pressure - self.utilisation
-        margin = self._bound_tolerance * self.p_max
-        slides = self.touching & self.sliding
-        if not slides.any() or np.abs(lacks[slides]).max() > margin:
-            return float(np.count_nonzero(self.sticking) / np.count_nonzero(self.touching))
-        reserve = np.where(self.sticking & (lacks > 0.0), lacks, 0.0)
+        if not slid or lacks > self._bound_tolerance * self.p_max:
+            return stuck / (stuck + slid)
         return min(1.0, self.grid.element_area * covered_elements(reserve) / self.area)
 
     @property

@@ -597,7 +597,7 @@ class Process(ABC, Generic[AnyStep]):
                 last = follow(replace(step, observed=dict(observed)), self.model)
             if last is not None:
                 observed[observer.name] = last
-        return replace(step, observed=observed)
+        return replace(step, observed=observed) if observed or step.observed else step
 
     def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
         """Yield the observed steps after a step (default: all), on a mesh that grows if needed.
@@ -656,8 +656,9 @@ class Process(ABC, Generic[AnyStep]):
         for observer in self._observers_of(step):
             values = observer.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
-        recorded = replace(record, values={**record.values, **observed})
-        return recorded.with_fatigue(self._cycles(step))
+        if observed:
+            record = replace(record, values={**record.values, **observed})
+        return record.with_fatigue(self._cycles(step))
 
     @staticmethod
     def _observers_of(step: AnyStep) -> list[Observer]:

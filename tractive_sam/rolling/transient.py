@@ -549,7 +549,7 @@ class TransientProcess(Process[Moment]):
                 yield between[-1]
                 return
             yield from between
-            yield replace(moment, earlier=between[-1].result if between else None)
+            yield replace(moment, earlier=between[-1].result) if between else moment
             last = moment
 
     def _snap_to_save(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:

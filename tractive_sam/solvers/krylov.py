@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from tractive_sam.compute import backend_of
-from tractive_sam.kernels.linear_algebra import extend_basis
+from tractive_sam.kernels.linear_algebra import extend_basis, solve_triangle
 from tractive_sam.operators import Lattice
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.problem import NormalProblem, Note, Outcome, Start, closed, needed
@@ -199,7 +199,7 @@ def conjugate_residuals(
         if norm == inf:
             break
         k += 1
-    shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
+    shares = solve_triangle(triangle, along, k).astype(kind)
     vector, response = shares @ space[0, :k], shares @ space[1, :k, :size]
     return vector, response.reshape(system.shape)
 

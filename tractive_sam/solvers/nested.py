@@ -268,12 +268,7 @@ class OnHalfMesh:
             return None if field is None else field[..., ny // 2 :].copy()
 
         def unfold(field: np.ndarray | None) -> np.ndarray | None:
-            if field is None:
-                return None
-            below = field[..., ::-1][..., : ny // 2]
-            if field.ndim == 3:
-                below = np.where(np.arange(2)[:, None, None] == mirror.even, below, -below)
-            return np.concatenate((below, field), axis=-1)
+            return None if field is None else mirror.unfold(field)
 
         if start is not None:
             approach, gap = start.approach or 0.0, cut(start.gap)
@@ -406,9 +401,13 @@ class RoughSequential:
 
 def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
     """Return the outcome of both problems: pressure, gap and approach of the normal one."""
-    found = {name: getattr(normal, name) for name in ("pressure", "gap", "approach")}
-    residual = max(normal.residual, tangential.residual)
-    return replace(tangential.after(normal), **found, residual=residual)
+    return replace(
+        tangential,
+        **{name: getattr(normal, name) for name in ("pressure", "gap", "approach")},
+        residual=max(normal.residual, tangential.residual),
+        cost=tangential.cost + normal.cost,
+        trace=normal.trace + tangential.trace,
+    )
 
 
 def _refuse_forces(problem: Problem, share: float) -> Outcome:

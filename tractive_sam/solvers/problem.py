@@ -16,6 +16,7 @@ from typing import Any, NamedTuple, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.compute import Mirror, backend_of
+from tractive_sam.kernels.linear_algebra import asymmetry
 from tractive_sam.lazy_names import renamed_attributes
 from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
@@ -285,33 +286,19 @@ class Problem:
         Prescribed forces, friction that falls with the slip, wear within a pass and bodies of
         different material are not considered. Rounding of what is prescribed is ignored.
         """
-        normal, law, ((_, first), (second, _)) = (
-            self.normal,
-            self.friction.law,
-            self.operators.frame.matrix,
-        )
-        if first or second or self.coupled or len(self.forces) or law.falls or self.wear:
+        normal = self.normal
+        if len(self.forces) or self.friction.law.falls or self.wear:
             return None
         known = isinstance(normal, NormalProblem) and isinstance(normal.gap, np.ndarray)
-        parts = map(self.operators.elasticity.parts, ("xx", "xy", "yy", "zz"))
-        if not known or max(map(len, parts)) > 1:  # crystals without symmetry about the axes
+        if not known or not self.operators.keep_symmetry:
             return None
-
-        def is_symmetric(field: np.ndarray, sign: float, size: float) -> bool:
-            # Displacements before a step are rounded as transforms are.
-            return bool(np.abs(field - sign * field[..., ::-1]).max() <= 1e-11 * size)
-
+        rounding = 1e-11  # displacements before a step are rounded as transforms are
         pressed = self.friction.bound(normal.gap.max() - normal.gap).radius
         for even in (normal.gap, pressed, *self.kinematics.gaps):
-            if not is_symmetric(even, 1.0, np.abs(even).max()):
+            apart, size = asymmetry(even, 1.0)
+            if not apart <= rounding * size:
                 return None
-        (first, second), size = self.rigid, np.abs(self.rigid).max()
-        between = normal.gap.shape[1] % 2 == 0
-        if is_symmetric(first, 1.0, size) and is_symmetric(second, -1.0, size):
-            return Mirror(0, between)
-        if is_symmetric(second, 1.0, size) and is_symmetric(first, -1.0, size):
-            return Mirror(1, between)
-        return None
+        return Mirror.of(self.rigid, rounding)
 
     def upper_half(self, mirror: Mirror) -> Self:
         """Return the problem (its pressure must be free) on the upper half of a symmetric mesh."""
