@@ -70,3 +70,20 @@ def test_sums_on_half_of_a_mesh_count_the_axis_once():
         # Elements of twice the side have four times the area.
         total = 4.0 * coarse.sum(lattice.merge(field, "constant"))
         assert total == pytest.approx(lattice.sum(field), rel=1e-13, abs=1e-13)
+
+
+@pytest.mark.parametrize("even", [0, 1])
+@pytest.mark.parametrize("shape", [(5, 7), (6, 8), (9, 1)])
+def test_a_symmetric_field_is_recognised_and_unfolded_from_its_half(shape, even):
+    _, _, mirror, fields = both(*shape, even)
+    values = fields(2)
+    whole = unfold(values, mirror)
+    assert np.array_equal(mirror.unfold(values), whole)
+    assert np.array_equal(mirror.unfold(values[even]), whole[even])
+    assert Mirror.of(whole) == mirror
+    whole[even, 3, 0] += 1e-9
+    assert Mirror.of(whole, rounding=1e-8) == mirror
+    if shape[1] > 1:  # a single row is its own mirror image
+        assert Mirror.of(whole) is None
+    whole[even, 0, 0] = np.nan
+    assert Mirror.of(whole, rounding=1e-8) is None
