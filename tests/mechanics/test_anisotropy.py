@@ -349,16 +349,6 @@ def test_faults_name_the_key(key, stiffness):
     assert key in str(error.value)
 
 
-def test_what_does_not_combine_is_refused():
-    scene = rolling({"stiffness": IRON}, STEEL)
-    for changes in (
-        {"subsurface": {"planes": ["y=0"]}},
-        {"fatigue": {"limit": 200.0, "sensitivity": 0.3}},
-    ):
-        with pytest.raises(ts.SceneError, match="bodies"):
-            scene.replace(**changes)
-
-
 @pytest.mark.parametrize("stiffness", [np.eye(5), np.diag([1, 1, 1, 1, 1, -1]), np.tri(6)])
 def test_unstable_material(stiffness):
     with pytest.raises(ValueError, match="stiffness"):

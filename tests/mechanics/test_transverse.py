@@ -113,7 +113,6 @@ def test_carter():
         ("stiffness.C33", {"body.A.stiffness.C33": -1.0}),
         ("stiffness.C44", {"body.A.stiffness": {k: v for k, v in ZINC.items() if k != "C44"}}),
         ("stiffness.C22", {"body.A.stiffness.C55": 1e3}),
-        ("subsurface.bodies", {"subsurface": {"planes": ["y=0"]}}),
         ("poisson", {"body.A": {"young": 1e5, "radius_x": 20.0, "radius_y": np.inf}}),
         ("elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
     ],

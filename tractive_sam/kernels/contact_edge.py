@@ -69,7 +69,7 @@ def stresses_at_loaded_corners(stress, kinds):
     return stresses.swapaxes(0, 1), places
 
 
-def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
+def stresses_at_edges(stress, pressure, kinds, materials, dx, dy):
     """Return stresses extrapolated to edges of the contact and between slip and stick, and places.
 
     Points of the edge start from a loaded corner with an unloaded neighbour, in x or in y, and a
@@ -86,8 +86,9 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
         Pressure on the elements; the bodies share it.
     kinds : ndarray, shape (n_x - 1, n_y - 1), for strips (n_x - 1, 1)
         Kinds from `kinds_of_corners`.
-    poisson : sequence of float
-        Poisson's ratios.
+    materials : sequence of float or callable
+        Of each body Poisson's ratio, or if it is anisotropic the stress xx, yy, xy (3, n) inside an
+        edge over its pressure, of vectors (2, n) across the edge.
     dx, dy : float
         Sides of the elements.
 
@@ -115,7 +116,7 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
     pressures = _PressureAtCorners.from_elements(pressure)
     towards = starts((kinds != UNLOADED) & (behind == UNLOADED) & (ahead != UNLOADED))
     away, towards = _steps_to_edge(pressures, towards)
-    at_edge = _stresses_at_edge(stress, pressures, towards, away, poisson, dx, dy)
+    at_edge = _stresses_at_edge(stress, pressures, towards, away, materials, dx, dy)
     slipping = starts((kinds == SLIPS) & (behind == SLIPS) & (ahead != SLIPS))
     apart, slipping = _steps_to_stick(around, slipping)
     at_border = _stresses_at_border(stress, slipping, apart)
@@ -187,7 +188,7 @@ def _steps_to_edge(pressures, starts):
     return here[known] / rising[known], starts[:, known]
 
 
-def _stresses_at_edge(stress, pressures, starts, away, poisson, dx, dy):
+def _stresses_at_edge(stress, pressures, starts, away, materials, dx, dy):
     """Return stresses (6, bodies, n) at the contact edge, extrapolated from two corners each.
 
     These are xx, yy and xy; the others are zero.
@@ -196,16 +197,22 @@ def _stresses_at_edge(stress, pressures, starts, away, poisson, dx, dy):
     x, y = pressures.in_x[i, j] / dx, pressures.in_y[i, j] / dy
     square = x * x + y * y
     square[square == 0.0] = 1.0
-    # The smooth part is sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
-    p, nu = pressures.mean[i, j], np.array(poisson)[:, None, None]
-    p_n = p * (1.0 - 2.0 * nu) / square
-    out = np.zeros((6, len(stress), away.size))
-    for component, added in ((0, p_n * x * x), (1, p_n * y * y), (3, p_n * x * y)):
-        smooth = stress[:, component, i, j] + added
-        if component != 3:
-            smooth += 2.0 * nu * p
-        near, far = smooth.swapaxes(0, 1)
-        out[component] = near + away * (near - far)
+    p, out = pressures.mean[i, j], np.zeros((6, len(stress), away.size))
+    for body, below in enumerate(materials):
+        if callable(below):
+            normal = np.stack((x, y)) / np.sqrt(square)
+            added = -p * below(normal.reshape(2, -1)).reshape(3, *p.shape)
+            evenly = 0.0
+        else:
+            # The smooth part is sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
+            p_n = p * (1.0 - 2.0 * below) / square
+            added, evenly = (p_n * x * x, p_n * y * y, p_n * x * y), 2.0 * below * p
+        for component, part in zip((0, 1, 3), added, strict=True):
+            smooth = stress[body, component, i, j] + part
+            if component != 3:
+                smooth += evenly
+            near, far = smooth
+            out[component, body] = near + away * (near - far)
     return out
 
 

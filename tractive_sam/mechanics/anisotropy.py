@@ -19,7 +19,7 @@ has a closed form for each harmonic, so that neither a quadrature nor a period c
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -27,7 +27,7 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign
-from tractive_sam.mechanics.elasticity import PARITIES, Material, SurfaceResponse
+from tractive_sam.mechanics.elasticity import PARITIES, Elasticity, Material, SurfaceResponse
 from tractive_sam.mechanics.hertz_contact import HertzContact, HertzLine, hertz_line
 from tractive_sam.mechanics.layers import LinearHalfSpaces
 
@@ -118,6 +118,68 @@ class AnisotropicMaterial(SurfaceResponse):
                 break
         S = np.linalg.solve(-N[:, 3:, :3], np.eye(3) + 1j * N[:, 3:, 3:]) / unit
         return 0.5 * (S + S.swapaxes(1, 2).conj())
+
+    def waves(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return P and W of the displacement exp(i k z P) u and the stress i k W u of waves.
+
+        u is the displacement of the surface z = 0 of a body at z > 0, times exp(i k (x cos + y
+        sin)); the eigenvalues of P are those of Stroh.
+
+        Parameters
+        ----------
+        angle : ndarray, shape (n,)
+            Directions of the waves.
+
+        Returns
+        -------
+        P : ndarray of complex, shape (n, 3, 3)
+            Without unit.
+        W : ndarray of complex, shape (n, 6, 3)
+            xx, yy, zz, xy, xz, yz by u at the same depth, MPa.
+        """
+        c = np.array(self.stiffness)[_VOIGT][:, :, _VOIGT]
+        m = np.stack((np.cos(angle), np.sin(angle), np.zeros_like(angle)), axis=1)
+        R = np.einsum("ijk,nj->nik", c[..., 2], m)
+        traction = 1j * np.linalg.inv(self.response(angle)) - R.swapaxes(1, 2)
+        P = np.linalg.solve(c[:, 2, :, 2], traction)
+        W = np.einsum("ijkl,nl->nijk", c, m) + np.einsum("ijk,nkl->nijl", c[..., 2], P)
+        return P, W[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics exp(i n angle) of the response to waves."""
+        return len(_harmonics(self))
+
+    @property
+    def mirrored(self) -> "AnisotropicMaterial":
+        """The material in axes with the opposite z."""
+        return self.from_matrix(self.stiffness, np.diag([1.0, 1.0, -1.0]))
+
+    @property
+    def in_surface(self) -> tuple[np.ndarray, np.ndarray]:
+        """Stress xx, yy, xy by the strain xx, yy, 2 xy, MPa, and by the stress zz, yz, xz."""
+        C = np.array(self.stiffness)
+        inside, outside = [0, 1, 5], [2, 3, 4]
+        crossed = np.linalg.solve(C[np.ix_(outside, outside)], C[np.ix_(outside, inside)])
+        return C[np.ix_(inside, inside)] - crossed.T @ C[np.ix_(outside, inside)], crossed.T
+
+    def below_edge(self, normal: np.ndarray) -> np.ndarray:
+        """Return the stress xx, yy, xy at the surface inside an edge of pressure, over it, (3, n).
+
+        It is the part that has the root of the distance from the edge, as the pressure has: the
+        strain across the edge follows the pressure by the imaginary part of the response, and there
+        is none along the edge.
+
+        Parameters
+        ----------
+        normal : ndarray, shape (2, n)
+            Unit vectors across the edge.
+        """
+        by_strain, by_stress = self.in_surface
+        x, y = normal
+        in_x, in_y = -self.response(np.arctan2(y, x))[:, :2, 2].imag.T
+        strain = np.stack((x * in_x, y * in_y, x * in_y + y * in_x))
+        return by_strain @ strain - by_stress[:, :1]
 
     @property
     def compliances(self) -> np.ndarray:
@@ -269,6 +331,17 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         return np.concatenate(
             (tangential - by_pressure @ by_pressure.swapaxes(1, 2), by_pressure), axis=2
         )
+
+    def single_body(self, body: str) -> Elasticity:
+        """Return the law for the stress in one body, "A" or "B" (`LinearHalfSpaces.single_body`).
+
+        An anisotropic body B is in its own axes, with z into the body.
+        """
+        material = getattr(self, body, None)
+        if not isinstance(material, AnisotropicMaterial):
+            return super().single_body(body)
+        inwards = material if body == "A" else material.mirrored
+        return replace(self, A=inwards, B=Material(np.inf, 0.0))
 
     def hertz(
         self,

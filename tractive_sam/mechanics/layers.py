@@ -378,6 +378,15 @@ class TransverseMaterial(SurfaceResponse):
         )
 
     @property
+    def stiffness(self) -> tuple[tuple[float, ...], ...]:
+        """Matrix of Voigt, MPa, as that of `AnisotropicMaterial`."""
+        matrix = np.diag((self.C11, self.C11, self.C33, self.C44, self.C44, 0.0))
+        matrix[[0, 1], [1, 0]] = self.C12
+        matrix[[0, 1, 2, 2], [2, 2, 0, 1]] = self.C13
+        matrix[5, 5] = 0.5 * (self.C11 - self.C12)
+        return tuple(map(tuple, matrix.tolist()))
+
+    @property
     def tangential(self) -> Material:
         """Isotropic material with the same tangential response, or the nearest with -1 < nu <= 0.5.
 
@@ -803,12 +812,14 @@ class LinearHalfSpaces(Elasticity):
         return replace(self, datum=max(self.datum, 2.0 * length))
 
     def single_body(self, body: str) -> Elasticity:
-        """Return the law for the stress in one body, "A" or "B", with unit modulus at its surface.
+        """Return the law for the stress in one body, "A" or "B".
+
+        The modulus at the surface of isotropic bodies is one.
 
         Raises
         ------
         ValueError
-            If the stress in the body is not known: if it is not isotropic.
+            If `body` is neither "A" nor "B", or the stress in it is not known.
         """
         if body not in ("A", "B"):
             raise ValueError(f'a body is "A" or "B", not {body!r}')
@@ -817,11 +828,12 @@ class LinearHalfSpaces(Elasticity):
             unit = material.layers[0].material.shear
             rigid = Material(np.inf, 0.0)
             return LinearHalfSpaces(material.scaled(1.0 / unit), rigid, self.datum)
+        if hasattr(material, "stiffness"):
+            return LinearHalfSpaces(material, Material(np.inf, 0.0), self.datum)
         if not isinstance(material, Material):
             raise ValueError(
-                f"the stress below the surface is known in isotropic bodies only, and body {body} "
-                f"is {material!r}: remove {body} from subsurface.bodies and fatigue.bodies, or "
-                "these tables"
+                f"the stress below the surface is not known in body {body}, {material!r}: remove "
+                f"{body} from subsurface.bodies and fatigue.bodies, or these tables"
             )
         pair = Material(1.0, material.poisson), Material(np.inf, material.poisson)
         return HalfSpaces(*pair) if self.datum is None else Strips(*pair, self.datum)

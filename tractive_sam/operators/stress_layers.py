@@ -5,7 +5,7 @@ from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache, partial
 from threading import Lock
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from tractive_sam.kernels.stress_sum import (
     layer_table,
     plane_product,
 )
-from tractive_sam.mechanics import HalfSpaces
+from tractive_sam.mechanics import AnisotropicMaterial, HalfSpaces, LinearHalfSpaces, Material
 from tractive_sam.operators import elastic
 from tractive_sam.operators.elastic import Lattice
 from tractive_sam.results import Grid
@@ -347,7 +347,10 @@ class StripLayers:
 
 
 def surface_stress(
-    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
+    lattice: Lattice,
+    body: HalfSpaces | LinearHalfSpaces,
+    tractions: np.ndarray,
+    signs: Sequence[float] = (1.0,),
 ) -> np.ndarray:
     """Return surface stress at inner corners (bodies, 6, n_x - 1, n_y - 1), by displacement.
 
@@ -361,8 +364,8 @@ def surface_stress(
     ----------
     lattice : Lattice
         Elements (n_x, n_y), or strips; lengths in mm.
-    body : HalfSpaces
-        The body, as `HalfSpaces.single_body` gives it.
+    body : HalfSpaces or LinearHalfSpaces
+        The body, as `single_body` of its law gives it.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
     signs : sequence of float
@@ -374,18 +377,24 @@ def surface_stress(
         In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
         of edges that two strips do.
     """
-    nu = body.A.poisson
-    plane, by_pressure = 2.0 / (1.0 - nu), nu / (1.0 - nu)
     _, in_x, in_y = _at_corners(_displacements(lattice, body, tractions), lattice)
     p_x, p_y, p_n = _at_corners(tractions, lattice)[0]
     stress = np.empty((len(signs), 6, *p_n.shape))
     for of_body, s in zip(stress, signs, strict=True):
         xx, yy = in_x[2] + s * in_x[0], in_y[3] + s * in_y[1]
+        xy = in_y[2] + in_x[3] + s * (in_y[0] + in_x[1])
+        of_body[2], of_body[4], of_body[5] = -p_n, -s * p_x, -s * p_y
+        stiffness = getattr(body.A, "stiffness", None)
+        if stiffness is not None:
+            by_strain, by_stress = AnisotropicMaterial(stiffness).in_surface
+            strain = np.tensordot(by_strain, (xx, yy, xy), 1)
+            of_body[[0, 1, 3]] = strain + np.tensordot(by_stress, of_body[[2, 5, 4]], 1)
+            continue
+        nu = cast(Material, body.A).poisson  # also of a body with layers
+        plane, by_pressure = 2.0 / (1.0 - nu), nu / (1.0 - nu)
         of_body[0] = plane * (xx + nu * yy) - by_pressure * p_n
         of_body[1] = plane * (yy + nu * xx) - by_pressure * p_n
-        of_body[2] = -p_n
-        of_body[3] = in_y[2] + in_x[3] + s * (in_y[0] + in_x[1])
-        of_body[4], of_body[5] = -s * p_x, -s * p_y
+        of_body[3] = xy
     return stress
 
 
@@ -401,16 +410,18 @@ def _at_corners(fields: np.ndarray, lattice: Lattice) -> tuple[np.ndarray, np.nd
     )
 
 
-def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
+def _displacements(
+    lattice: Lattice, body: HalfSpaces | LinearHalfSpaces, tractions: np.ndarray
+) -> np.ndarray:
     """Return u_x and u_y by tangential traction, and both by pressure, at centres, (4, n_x, n_y).
 
-    The shear modulus is one. The fields are transformed one by one, with the memory of one.
+    The fields are transformed one by one, with the memory of one.
     """
     single = transform(1, lattice.shape, lattice.padded)
     p_x, p_y, p_n = (single.forward(field[None])[0].copy() for field in tractions)
-    (xx, xy, yy), (xz, yz) = _spectra(lattice, body)
+    xx, xy, yx, yy, xz, yz = _spectra(lattice, body)
     out = np.empty((4, *lattice.shape))
-    terms = ((xx, p_x), (xy, p_y)), ((xy, p_x), (yy, p_y)), ((xz, p_n),), ((yz, p_n),)
+    terms = ((xx, p_x), (xy, p_y)), ((yx, p_x), (yy, p_y)), ((xz, p_n),), ((yz, p_n),)
     for displacement, products in zip(out, terms, strict=True):
         single.spectrum[:] = 0.0
         for kernel, load in products:
@@ -420,11 +431,18 @@ def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
 
 
 @lru_cache(maxsize=4)
-def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray]:
-    """Return spectra of the displacement kernels: real ones xx, xy, yy, and xz, yz."""
+def _spectra(lattice: Lattice, body: LinearHalfSpaces | HalfSpaces) -> tuple[np.ndarray, ...]:
+    """Return spectra of the displacement kernels xx, xy, yx, yy, xz, yz; mostly real but the last.
+
+    Those of tangential traction are real unless the body has no symmetry about the axes.
+    """
 
     def of(component: str) -> np.ndarray:
         return elastic.transform_displacement(lattice, body, component)
 
-    even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
-    return even, np.stack([of(component) for component in ("xz", "yz")])
+    tangential = [of(component) for component in ("xx", "xy", "yy")]
+    if body.interchangeable:
+        tangential = [spectrum.real.copy() for spectrum in tangential]
+    xx, xy, yy = tangential
+    yx = xy if body.interchangeable else of("yx")
+    return xx, xy, yx, yy, of("xz"), of("yz")

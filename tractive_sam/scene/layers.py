@@ -194,10 +194,6 @@ class Stiffness(BodyPart):
     232514
     """
 
-    excludes = BodyPart.excludes | {
-        f"{table}.bodies": "the stress below the surface is known in isotropic bodies only"
-        for table in ("subsurface", "fatigue")
-    }
     crystals: ClassVar[Mapping[str, tuple[float, float, float, str]]] = {
         "aluminium": (106.75, 60.41, 28.34, "CRC Handbook, 98th ed."),
         "copper": (168.3, 121.2, 75.7, "Epstein & Carlson (1965), in CRC Handbook"),

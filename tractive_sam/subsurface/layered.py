@@ -8,13 +8,14 @@ without layers the stress is exactly that of a half-space.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import groupby
+from itertools import chain, groupby
 from typing import Any, Literal, cast
 
 import numpy as np
 
 from tractive_sam.kernels.half_space import raised_stress
 from tractive_sam.mechanics import (
+    Elasticity,
     HalfSpaces,
     LayeredBody,
     LinearHalfSpaces,
@@ -26,6 +27,7 @@ from tractive_sam.operators import Lattice, extent, transform_quadrant
 from tractive_sam.results import COMPONENTS, Grid, InterfaceStress, Point
 from tractive_sam.subsurface.sources import (
     PatchStress,
+    StressSource,
     StripStress,
     largest_at_surface,
     stress_source,
@@ -85,188 +87,135 @@ def _amplitudes(body: LayeredBody, depths: np.ndarray) -> tuple[np.ndarray, np.n
     return heights, amplitudes / (2.0 * np.pi)
 
 
-class LayeredStress:
-    """Stress solver for bodies with layers, under rectangular elements or strips.
+class ElementSums:
+    """Stress solver for one body by functions of the distance from loaded elements.
+
+    A subclass has the functions (`functions`) and their spectra (`spectra`).
 
     Parameters
     ----------
-    bodies : sequence of LinearHalfSpaces or HalfSpaces
-        See `LinearHalfSpaces.single_body`.
-    signs : sequence of float
-        Sign of each body, see `sources.SIGNS`.
+    bodies : (LinearHalfSpaces,)
+        The body, see `LinearHalfSpaces.single_body`.
+    signs : (float,)
+        Its sign, see `sources.SIGNS`.
     grid : Grid
         Elements; lengths in mm.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on body A, MPa.
-    together : int
-        Depths at which tables are computed at once.
+
+    Attributes
+    ----------
+    interfaces : ndarray
+        Depths of interfaces in the body, mm.
     """
 
-    together = 8
+    interfaces = np.empty(0)
 
     def __init__(
         self,
-        bodies: Sequence[LinearHalfSpaces | HalfSpaces],
-        signs: Sequence[float],
+        bodies: tuple[LinearHalfSpaces],
+        signs: tuple[float],
         grid: Grid,
         tractions: np.ndarray,
     ):
-        self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
-        self._on_bodies = tractions_on_bodies(tractions, signs)
-        (datum,) = {getattr(body, "datum", None) for body in bodies}
-        self._datum = datum
+        self._of_bodies = bodies, signs, grid, tractions
+        (self._body,), self._signs = bodies, signs
+        self._grid, self._tractions = grid, tractions
+        (self._on_body,) = tractions_on_bodies(tractions, signs)
         self._lattice = Lattice(grid.elements, grid.dx, grid.dy)
-        # A homogeneous body is one without layers.
-        self._layered = [
-            body.A if isinstance(body.A, LayeredBody) else LayeredBody((), cast(Material, body.A))
-            for body in bodies
-        ]
 
-    def _plain(self, number: int, poisson: float) -> PatchStress | StripStress:
-        """Return the stress solver of a body as if it were homogeneous."""
-        pair = Material(1.0, poisson), Material(np.inf, poisson)
-        of_body = (self._signs[number],), self._grid, self._tractions
-        if self._datum is None:
-            return PatchStress((HalfSpaces(*pair),), *of_body)
-        return StripStress((Strips(*pair, self._datum),), *of_body)
+    def functions(
+        self, x: np.ndarray, y: np.ndarray, depths: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield functions of elements, and their weights, for successive depths.
 
-    def _by_material(
-        self, number: int, depths: np.ndarray
-    ) -> Iterator[tuple[PatchStress | StripStress, np.ndarray]]:
-        """Yield (stress solver of the homogeneous body, depths) for runs of one Poisson's ratio."""
-        poisson = [material.poisson for material in self._layered[number].materials(depths)]
-        for nu, run in groupby(zip(poisson, depths, strict=True), lambda pair: pair[0]):
-            yield self._plain(number, nu), np.array([depth for _, depth in run])
+        Parameters
+        ----------
+        x, y : ndarray, shapes (k + 1,) and (l + 1,)
+            Ascending distances from the corners of elements, mm; of strips only x counts.
+        depths : ndarray, shape (m,)
+            mm.
+
+        Yields
+        ------
+        functions : ndarray, shape (f, k, l)
+            The same at the next n depths.
+        weights : ndarray, shape (n, 6, 3, f)
+            By depth, component and traction (p_x, p_y, p_n): their sum is the stress by a unit
+            traction on the element.
+        """
+        raise NotImplementedError
+
+    def spectra(self, depths: np.ndarray) -> Iterator[np.ndarray]:
+        """Yield the spectrum of the stress by a unit traction (6, 3, ...), depth by depth."""
+        raise NotImplementedError
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
-        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
-        depths = np.array(list(depths), dtype=float)
-        each = [self.of_body(number, depths, threads) for number in range(len(self._bodies))]
-        return map(np.stack, zip(*each, strict=True))
-
-    def of_body(self, number: int, depths: np.ndarray, threads: int = 1) -> Iterator[np.ndarray]:
-        """Yield the stress (6, n_x, n_y) of a body, depth by depth."""
-        plain = (
-            stress[0]
-            for source, run in self._by_material(number, depths)
-            for stress in source.layers(run, threads)
-        )
-        body, period = self._layered[number], self._lattice.padded
-        if not body.layers:
-            yield from plain
-            return
-        loads = np.fft.rfft2(self._on_bodies[number], period)
+        """Yield stresses (1, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        loads = np.fft.rfft2(self._on_body, self._lattice.padded)
         nx, ny = self._lattice.shape
-        for first in range(0, depths.size, self.together):
-            tables = self._tables(body, depths[first : first + self.together])
-            for of_depth, stress in zip(tables, plain, strict=False):
-                added = np.zeros((6, *loads.shape[1:]), dtype=complex)
-                for c, component in enumerate(COMPONENTS):
-                    for load, name, table in zip(loads, "xyn", of_depth[c], strict=True):
-                        letters = component + name
-                        parity = tuple((-1) ** letters.count(axis) for axis in "xy")
-                        added[c] += transform_quadrant(table, parity, period) * load
-                yield stress + np.fft.irfft2(added, period)[:, :nx, :ny]
+        for waves in self.spectra(np.array(list(depths), dtype=float)):
+            added = waves[:, 0] * loads[0] + waves[:, 1] * loads[1] + waves[:, 2] * loads[2]
+            yield np.fft.irfft2(added, self._lattice.padded)[None, :, :nx, :ny]
 
-    def _tables(self, body: LayeredBody, depths: np.ndarray, columns: int = 12) -> np.ndarray:
-        """Return the added stress per unit traction on an element, (m, 6, 3, ...) at offsets >= 0.
-
-        `columns` offsets in x are computed at once.
-        """
-        heights, amplitudes = _amplitudes(body, depths)
-        weights = amplitudes.reshape(-1, 7 * heights.size)
-        mx, my = (period // 2 + 1 for period in self._lattice.padded)
-        table = np.empty((len(weights), mx, my))
-        y = self._grid.dy * (np.arange(my + 1) - 0.5)
-        for first in range(0, mx, columns):
-            part = slice(first, min(first + columns, mx))
-            x = self._grid.dx * (np.arange(part.start, part.stop + 1) - 0.5)
-            loads = self._load(x, y, heights).reshape(7 * heights.size, -1)
-            table[:, part] = (weights @ loads).reshape(len(weights), -1, my)
-        return table.reshape(*amplitudes.shape[:3], mx, my)
-
-    def _load(self, x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-        """Return the integrals of kernels over elements between corners x and y, (7, n, k, l)."""
-        if self._datum is None:
-            values = raised_stress(x[:, None], y, heights[:, None, None])
-            return np.diff(np.diff(values, axis=2), axis=3)
-        # Of strips that are infinitely long in y; the other kernels are zero.
-        loads = np.zeros((7, heights.size, x.size - 1, y.size - 1))
-        loads[:2, ..., 0] = np.diff(2.0 * np.arctan(x / heights[:, None]))
-        loads[3, ..., 0] = -np.diff(np.log(x**2 + heights[:, None] ** 2))
-        return loads
+    def levels(self, criterion: StressCriterion) -> "LayeredLevels":
+        """Return the `LayeredLevels` of the body, in which the largest stress is searched."""
+        return LayeredLevels([self], self._of_bodies, criterion)
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z."""
+        """Return stresses (1, 6, n, k) on a plane at k depths; (1, 6, n_x, n_y) if z."""
         if axis == "z":
             return next(self.layers([position]))
-        stresses = []
-        for number, body in enumerate(self._layered):
-            runs = self._by_material(number, depths)
-            plain = [source.on_plane(axis, position, run)[0] for source, run in runs]
-            stress = np.concatenate(plain, axis=-1)
-            if body.layers:
-                stress += self._added_to_lines(number, axis, np.array([position]), depths)[:, 0]
-            stresses.append(stress)
-        return np.stack(stresses)
-
-    def _added(self, number: int, place: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return the stress (6, k) that layers add at a place (x, y), and k depths."""
-        heights, amplitudes = _amplitudes(self._layered[number], depths)
-        loaded = self._on_bodies[number].any(axis=0)
-        part = extent(loaded.any(axis=1)), extent(loaded.any(axis=0))
-        loads = self._on_bodies[number][:, *part]
-        centres, sides = (self._grid.x, self._grid.y), (self._grid.dx, self._grid.dy)
-        # From the last corner to the first one, so that the place minus corners ascends.
-        x, y = (
-            at - c[here][0] - side * (np.arange(here.stop - here.start, -1, -1) - 0.5)
-            for at, c, side, here in zip(place, centres, sides, part, strict=True)
-        )
-        fields = np.einsum("khij,lij->klh", self._load(x, y, heights), loads[:, ::-1, ::-1])
-        return np.einsum("mclkh,klh->cm", amplitudes, fields)
+        return self._on_lines(axis, np.array([position]), depths)[None, :, 0]
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n) at points (n, 3)."""
-        stress = np.empty((len(self._bodies), 6, len(points)))
-        for number, body in enumerate(self._layered):
-            poisson = np.array([material.poisson for material in body.materials(points[:, 2])])
-            for nu in set(poisson):
-                here = poisson == nu
-                stress[number][:, here] = self._plain(number, nu).at(points[here])[0]
-            for place in np.unique(points[:, :2], axis=0) if body.layers else ():
-                here = (points[:, :2] == place).all(axis=1)
-                stress[number][:, here] += self._added(number, place, points[here, 2])
+        """Return stresses (1, 6, n) at points (n, 3)."""
+        stress = np.empty((1, 6, len(points)))
+        for place in np.unique(points[:, :2], axis=0):
+            here = (points[:, :2] == place).all(axis=1)
+            stress[0][:, here] = self._at_place(place, points[here, 2])
         return stress
 
-    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths."""
-        stresses = []
-        for number, body in enumerate(self._layered):
-            runs = self._by_material(number, depths)
-            plain = [source.at_columns(x, run)[0] for source, run in runs]
-            stress = np.concatenate(plain, axis=-1)
-            if body.layers:
-                stress += self._added_to_lines(number, "x", x, depths, 24)
-            stresses.append(stress)
-        return np.stack(stresses)
+    def _at_place(self, place: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return the stress (6, k) at a place (x, y), and k depths."""
+        loads, (x, y) = self._loads_around(place)
+        parts = []
+        for functions, weights in self.functions(x, y, depths):
+            fields = np.einsum("fij,lij->lf", functions, loads)
+            parts.append(np.einsum("mclf,lf->cm", weights, fields))
+        return np.concatenate(parts, axis=1)
 
-    def _added_to_lines(
+    def _loads_around(self, place: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Return tractions (3, k, l) in reverse order, and distances of a place from corners."""
+        loaded = self._on_body.any(axis=0)
+        part = extent(loaded.any(axis=1)), extent(loaded.any(axis=0))
+        centres, sides = (self._grid.x, self._grid.y), (self._grid.dx, self._grid.dy)
+        # From the last corner to the first one, so that the place minus corners ascends.
+        distances = [
+            at - c[here][0] - side * (np.arange(here.stop - here.start, -1, -1) - 0.5)
+            for at, c, side, here in zip(place, centres, sides, part, strict=True)
+        ]
+        return self._on_body[:, *part][:, ::-1, ::-1], distances
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (1, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths."""
+        return self._on_lines("x", x, depths, 24)[None]
+
+    def _on_lines(
         self,
-        number: int,
         axis: Literal["x", "y"],
         places: np.ndarray,
         depths: np.ndarray,
         blocks: int = 10**6,
     ) -> np.ndarray:
-        """Return the stress (6, n, m, k) that layers add on lines of the grid at k depths.
+        """Return the stress (6, n, m, k) on lines of the grid at k depths.
 
         Lines at x = places (n,) are along y, through the m rows of elements; those at y = places
         are along x. Elements are combined across the lines to at most `blocks`.
         """
-        heights, amplitudes = _amplitudes(self._layered[number], depths)
-        across, loads = (0, self._on_bodies[number])
+        across, loads = (0, self._on_body)
         if axis == "y":
             across, loads = (1, loads.swapaxes(1, 2))
         centres, (step, along) = (
@@ -286,27 +235,182 @@ class LayeredStress:
         spectra = np.fft.rfft(loads[:, ::-1], period).transpose(2, 1, 0)
         stress = np.empty((6, len(places), rows, depths.size))
         for n, place in enumerate(places):
-            if axis == "x":
-                of_blocks = self._load(place - edges[::-1], offsets, heights)
-            else:
-                of_blocks = self._load(offsets, place - edges[::-1], heights).swapaxes(2, 3)
-            table = np.zeros((7 * heights.size, loads.shape[1], period))
-            table[..., np.arange(1 - rows, rows)] = of_blocks.reshape(*table.shape[:2], -1)
-            waves = np.fft.rfft(table).transpose(2, 0, 1) @ spectra
-            fields = np.fft.irfft(waves, period, axis=0)[:rows].reshape(rows, 7, heights.size, 3)
-            stress[:, n] = np.einsum("mclkh,nkhl->cnm", amplitudes, fields, optimize=True)
+            x, y = place - edges[::-1], offsets
+            if axis == "y":
+                x, y = y, x
+            first = 0
+            for functions, weights in self.functions(x, y, depths):
+                of_blocks = functions.swapaxes(1, 2) if axis == "y" else functions
+                table = np.zeros((len(of_blocks), loads.shape[1], period))
+                table[..., np.arange(1 - rows, rows)] = of_blocks
+                waves = np.fft.rfft(table).transpose(2, 0, 1) @ spectra
+                fields = np.fft.irfft(waves, period, axis=0)[:rows]
+                found = np.einsum("mclf,nfl->cnm", weights, fields, optimize=True)
+                stress[:, n, :, first : first + len(weights)] = found
+                first += len(weights)
         return stress
+
+
+class LayeredStress(ElementSums):
+    """Stress solver for a body with layers, under rectangular elements or strips.
+
+    Parameters as in `ElementSums`.
+
+    Attributes
+    ----------
+    together : int
+        Depths at which tables are computed at once.
+    """
+
+    together = 8
+
+    def __init__(
+        self,
+        bodies: tuple[LinearHalfSpaces],
+        signs: tuple[float],
+        grid: Grid,
+        tractions: np.ndarray,
+    ):
+        super().__init__(bodies, signs, grid, tractions)
+        self._layered = cast(LayeredBody, self._body.A)
+        self.interfaces = self._layered.interfaces
+
+    def _plain(self, poisson: float) -> PatchStress | StripStress:
+        """Return the stress solver of the body as if it were homogeneous."""
+        pair = Material(1.0, poisson), Material(np.inf, poisson)
+        of_body = self._signs, self._grid, self._tractions
+        if self._body.datum is None:
+            return PatchStress((HalfSpaces(*pair),), *of_body)
+        return StripStress((Strips(*pair, self._body.datum),), *of_body)
+
+    def _by_material(
+        self, depths: np.ndarray
+    ) -> Iterator[tuple[PatchStress | StripStress, np.ndarray]]:
+        """Yield (stress solver of the homogeneous body, depths) for runs of one Poisson's ratio."""
+        poisson = [material.poisson for material in self._layered.materials(depths)]
+        for nu, run in groupby(zip(poisson, depths, strict=True), lambda pair: pair[0]):
+            yield self._plain(nu), np.array([depth for _, depth in run])
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (1, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        depths = np.array(list(depths), dtype=float)
+        runs = (source.layers(run, threads) for source, run in self._by_material(depths))
+        return map(np.add, chain.from_iterable(runs), super().layers(depths))
+
+    def spectra(self, depths: np.ndarray) -> Iterator[np.ndarray]:
+        """Yield the spectrum of the stress that layers add (6, 3, ...), depth by depth."""
+        period = self._lattice.padded
+        for first in range(0, depths.size, self.together):
+            for of_depth in self._tables(depths[first : first + self.together]):
+                waves = np.empty((6, 3, period[0], period[1] // 2 + 1), dtype=complex)
+                for c, component in enumerate(COMPONENTS):
+                    for load, name in enumerate("xyn"):
+                        letters = component + name
+                        parity = tuple((-1) ** letters.count(axis) for axis in "xy")
+                        waves[c, load] = transform_quadrant(of_depth[c, load], parity, period)
+                yield waves
+
+    def _tables(self, depths: np.ndarray, columns: int = 12) -> np.ndarray:
+        """Return the added stress per unit traction on an element, (m, 6, 3, ...) at offsets >= 0.
+
+        `columns` offsets in x are computed at once.
+        """
+        mx, my = (period // 2 + 1 for period in self._lattice.padded)
+        table = np.empty((depths.size, 6, 3, mx, my))
+        y = self._grid.dy * (np.arange(my + 1) - 0.5)
+        for first in range(0, mx, columns):
+            part = slice(first, min(first + columns, mx))
+            x = self._grid.dx * (np.arange(part.start, part.stop + 1) - 0.5)
+            ((functions, weights),) = self.functions(x, y, depths)
+            values = weights.reshape(-1, len(functions)) @ functions.reshape(len(functions), -1)
+            table[..., part, :] = values.reshape(*table.shape[:3], -1, my)
+        return table
+
+    def functions(
+        self, x: np.ndarray, y: np.ndarray, depths: np.ndarray
+    ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield kernels by height, and their weights at all depths (`ElementSums.functions`)."""
+        heights, amplitudes = _amplitudes(self._layered, depths)
+        if self._body.datum is None:
+            values = raised_stress(x[:, None], y, heights[:, None, None])
+            loads = np.diff(np.diff(values, axis=2), axis=3)
+        else:
+            # Of strips that are infinitely long in y; the other kernels are zero.
+            loads = np.zeros((7, heights.size, x.size - 1, y.size - 1))
+            loads[:2, ..., 0] = np.diff(2.0 * np.arctan(x / heights[:, None]))
+            loads[3, ..., 0] = -np.diff(np.log(x**2 + heights[:, None] ** 2))
+        weights = amplitudes.reshape(*amplitudes.shape[:3], -1)
+        yield loads.reshape(-1, *loads.shape[2:]), weights
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (1, 6, n, k) on a plane at k depths; (1, 6, n_x, n_y) if z."""
+        if axis == "z":
+            return next(self.layers([position]))
+        plain = [s.on_plane(axis, position, run) for s, run in self._by_material(depths)]
+        return np.concatenate(plain, axis=-1) + super().on_plane(axis, position, depths)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (1, 6, n) at points (n, 3)."""
+        stress = super().at(points)
+        poisson = np.array([material.poisson for material in self._layered.materials(points[:, 2])])
+        for nu in set(poisson):
+            here = poisson == nu
+            stress[..., here] += self._plain(nu).at(points[here])
+        return stress
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (1, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths."""
+        plain = [source.at_columns(x, run) for source, run in self._by_material(depths)]
+        return np.concatenate(plain, axis=-1) + super().at_columns(x, depths)
+
+
+class StressOfEach:
+    """Stress solver for bodies of any kind, by a solver for each of them.
+
+    Parameters
+    ----------
+    bodies, signs, grid, tractions
+        See `sources.stress_source`.
+    """
+
+    def __init__(
+        self,
+        bodies: Sequence[Elasticity],
+        signs: Sequence[float],
+        grid: Grid,
+        tractions: np.ndarray,
+    ):
+        self._of_bodies = bodies, signs, grid, tractions
+        self._sources = [
+            stress_source(body, (body,), (sign,), grid, tractions)
+            for body, sign in zip(bodies, signs, strict=True)
+        ]
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        depths = list(depths)
+        each = [source.layers(depths, threads) for source in self._sources]
+        return map(np.concatenate, zip(*each, strict=True))
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z."""
+        return np.concatenate([s.on_plane(axis, position, depths) for s in self._sources])
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
+        return np.concatenate([source.at(points) for source in self._sources])
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths."""
+        return np.concatenate([source.at_columns(x, depths) for source in self._sources])
 
     def levels(self, criterion: StressCriterion) -> "LayeredLevels":
         """Return the `LayeredLevels` of the bodies, in which the largest stress is searched."""
-        of_bodies = self._bodies, self._signs, self._grid, self._tractions
-        return LayeredLevels(self, of_bodies, self._layered, criterion)
-
-
-@stress_source.register
-def _layered_stress(body: LinearHalfSpaces, *of_bodies) -> LayeredStress:
-    """Return the stress solver for bodies with layers."""
-    return LayeredStress(*of_bodies)
+        return LayeredLevels(self._sources, self._of_bodies, criterion)
 
 
 def with_interfaces(depths: np.ndarray, bodies: Iterable[object]) -> np.ndarray:
@@ -353,24 +457,22 @@ class LayeredLevels:
 
     Parameters
     ----------
-    source : LayeredStress
-        Solver of the stress.
+    sources : sequence of StressSource
+        Solver of the stress in each body.
     of_bodies : tuple
-        Its bodies, signs, grid and tractions.
-    layered : sequence of LayeredBody
-        Layers of the bodies, if any.
+        The bodies, signs, grid and tractions.
     criterion : StressCriterion
         Criterion of the stress.
     """
 
     def __init__(
         self,
-        source: LayeredStress,
+        sources: Sequence[StressSource],
         of_bodies: tuple[Sequence[Any], Sequence[float], Grid, np.ndarray],
-        layered: Sequence[LayeredBody],
         criterion: StressCriterion,
     ):
-        self._source, self._layered, self._criterion = source, layered, criterion
+        self._sources, self._criterion = sources, criterion
+        self._faces = [getattr(source, "interfaces", np.empty(0)) for source in sources]
         self._bodies, self._signs, self._grid, self._tractions = of_bodies
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
@@ -396,35 +498,33 @@ class LayeredLevels:
         counts = (np.count_nonzero(loaded.any(axis=axis)) for axis in (1, 0))
         half = 0.5 * min(n * of for n, of in zip(counts, grid.sides, strict=False))
         depths = np.geomspace(2.0 * side, max(1.6 * half, 4.0 * side), 18)
-        depths = with_interfaces(depths, self._layered)
-        number, rows = np.arange(len(self._bodies))[:, None, None], grid.y
-        values = np.stack(
-            [
-                self._criterion.at(stress.swapaxes(0, 1), number, rows, depth)
-                for depth, stress in zip(depths, self._source.layers(depths), strict=True)
-            ],
-            axis=1,
-        )
-        return [
-            self._top(body, depths, of_body, at_surface)
-            for body, of_body, at_surface in zip(self._layered, values, surface, strict=True)
-        ]
+        depths = with_interfaces(depths, [getattr(body, "A", None) for body in self._bodies])
+        tops = []
+        for number, (source, faces) in enumerate(zip(self._sources, self._faces, strict=True)):
+            values = np.stack(
+                [
+                    self._criterion.at(stress[0], np.full((1, 1), number), grid.y, depth)
+                    for depth, stress in zip(depths, source.layers(depths), strict=True)
+                ]
+            )
+            tops.append(self._top(faces, depths, values, surface[number]))
+        return tops
 
     def interfaces(self) -> list[tuple[InterfaceStress, ...]]:
         """Return the largest stresses on the interfaces of each body, from the surface down."""
         each = []
-        for number, body in enumerate(self._layered):
-            faces = []
-            for k, stress in enumerate(self._source.of_body(number, body.interfaces)):
-                place = body.interfaces[k : k + 1]
-                shear = self._top(body, place, np.hypot(stress[4], stress[5])[None], -np.inf)
-                tension = self._top(body, place, stress[None, 2], -np.inf)
-                faces.append(InterfaceStress(*shear, *tension))
-            each.append(tuple(faces))
+        for source, faces in zip(self._sources, self._faces, strict=True):
+            found = []
+            for k, (stress,) in enumerate(source.layers(faces)):
+                place = faces[k : k + 1]
+                shear = self._top(faces, place, np.hypot(stress[4], stress[5])[None], -np.inf)
+                tension = self._top(faces, place, stress[None, 2], -np.inf)
+                found.append(InterfaceStress(*shear, *tension))
+            each.append(tuple(found))
         return each
 
     def _top(
-        self, body: LayeredBody, depths: np.ndarray, values: np.ndarray, at_surface: float
+        self, faces: np.ndarray, depths: np.ndarray, values: np.ndarray, at_surface: float
     ) -> tuple[float, Point]:
         """Return (value, position) of the largest of values (depths, n_x, n_y)."""
         top = tuple(int(k) for k in np.unravel_index(values.argmax(), values.shape))
@@ -433,7 +533,7 @@ class LayeredLevels:
         places, value = [], float(values[top])
         for axis, at in enumerate((depths, self._grid.x, self._grid.y)):
             k, near = top[axis], slice(top[axis] - 1, top[axis] + 2)
-            materials = np.searchsorted(body.interfaces, at[near]) if axis == 0 else [0]
+            materials = np.searchsorted(faces, at[near]) if axis == 0 else [0]
             if not 0 < k < at.size - 1 or len(set(materials)) > 1:
                 places.append(float(at[k]))
                 continue

@@ -25,7 +25,14 @@ from tractive_sam.kernels.contact_edge import (
     stresses_at_edges,
     stresses_at_loaded_corners,
 )
-from tractive_sam.mechanics import Elasticity, HalfSpaces, Steel, StressCriterion, Strips
+from tractive_sam.mechanics import (
+    AnisotropicMaterial,
+    Elasticity,
+    HalfSpaces,
+    Steel,
+    StressCriterion,
+    Strips,
+)
 from tractive_sam.operators import (
     Lattice,
     StressLayers,
@@ -77,10 +84,10 @@ def largest_at_surface(
     kinds = kinds_of_corners(pressure, sliding)
     if not kinds.any():  # nowhere wider than an element
         kinds[:] = BOTH
-    poisson = tuple(body.A.poisson for body in bodies)
+    below = _below_edges(bodies)
     candidates = (
         stresses_at_loaded_corners(stress, kinds),
-        stresses_at_edges(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
+        stresses_at_edges(stress, pressure, kinds, below, lattice.dx, lattice.dy),
     )
     each, places = (np.concatenate(parts, axis=-1) for parts in zip(*candidates, strict=True))
     number = np.arange(len(bodies))[:, None]
@@ -89,6 +96,16 @@ def largest_at_surface(
     at = values.argmax(axis=1)
     i, j = places[:, at] + np.array(((0.5,), (0.5 if pressure.shape[1] > 1 else 0.0,)))
     return list(zip(values[range(len(at)), at].tolist(), i.tolist(), j.tolist(), strict=True))
+
+
+def _below_edges(bodies: Sequence[Any]) -> list[Any]:
+    """Return the bodies' Poisson's ratios, or of anisotropic ones the stress inside an edge."""
+    return [
+        AnisotropicMaterial(body.A.stiffness).below_edge
+        if hasattr(body.A, "stiffness")
+        else body.A.poisson
+        for body in bodies
+    ]
 
 
 def _between_elements(
@@ -194,8 +211,8 @@ def _surface_stresses(
     kinds = kinds_of_corners(pressure, sliding)
     loaded = kinds != UNLOADED
     away = kinds_of_corners(1.0 * (pressure <= 0.0), sliding) != UNLOADED
-    nu, sides = (body.A.poisson,), (lattice.dx, lattice.dy)
-    rough, places = stresses_at_edges(stress[None], pressure, kinds, nu, *sides)
+    below, sides = _below_edges((body,)), (lattice.dx, lattice.dy)
+    rough, places = stresses_at_edges(stress[None], pressure, kinds, below, *sides)
     in_row = places[1] == np.rint(places[1])
     is_valid = loaded.any(axis=0) | away.all(axis=0)
     last = np.array(stress.shape[1:])[:, None] - 1

@@ -16,7 +16,8 @@ from tractive_sam.mechanics import Elasticity, HalfSpaces, LinearHalfSpaces, Ste
 from tractive_sam.operators import Lattice, transform_quadrant
 from tractive_sam.results import COMPONENTS, Grid, Maximum, PlaneStress, Point, State, widen_field
 from tractive_sam.scene import Plane, Scene, Subsurface
-from tractive_sam.subsurface.layered import LayeredLevels, with_interfaces
+from tractive_sam.subsurface import anisotropic  # noqa: F401, registers its stress solver
+from tractive_sam.subsurface.layered import LayeredLevels, StressOfEach, with_interfaces
 from tractive_sam.subsurface.sources import (
     SIGNS,
     MultiLevel,
@@ -118,9 +119,9 @@ class LoadedBodies:
         elasticity = (laws or Laws.of_contact(cast(State, contact))).elasticity
         bodies = tuple(elasticity.single_body(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
-        # Layers need their method for all bodies.
-        first = next((body for body in bodies if isinstance(body, LinearHalfSpaces)), bodies[0])
-        source = stress_source(first, bodies, signs, grid, tractions)
+        each = bodies, signs, grid, tractions
+        linear = any(isinstance(body, LinearHalfSpaces) for body in bodies)
+        source = StressOfEach(*each) if linear else stress_source(bodies[0], *each)
         if residual and contact.scene.residual is not None:
             steel = [contact.scene.steel.get(name, Steel()) for name in names]
             worn = np.stack([worn_depth(contact, name) for name in names])
