@@ -535,13 +535,11 @@ def _check_excluded(entries: ValidEntries) -> Iterator[Fault]:
     tables = {key: value for key, value in entries.items() if "." not in key}
     _ = entries["body"]
     for key, reasons in find_exclusions(tables).items():
-        value, owners = entries.get(key), list(reasons)
-        if key.endswith(".bodies"):  # only those of the list
-            owners = [owner for owner in owners if owner.split(".")[1] in (value or ())]
-        elif value in (None, ()) or (key.endswith(".law") and not isinstance(value, NamedLaw)):
+        value = entries.get(key)
+        if value in (None, ()) or (key.endswith(".law") and not isinstance(value, NamedLaw)):
             continue
-        for reason in dict.fromkeys(reasons[owner] for owner in owners):
-            names = ", ".join(owner for owner in owners if reasons[owner] == reason)
+        for reason in dict.fromkeys(reasons.values()):
+            names = ", ".join(owner for owner in reasons if reasons[owner] == reason)
             yield Fault(key, f"with {names}", f"nothing: {reason}")
 
 
