@@ -6,6 +6,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.mechanics import Strips
 from tractive_sam.operators.elastic import Lattice, Operators
+from tractive_sam.reference.rolling import creep_coefficients
 
 IRON = {"C11": 231.4e3, "C12": 134.7e3, "C44": 116.4e3}
 SILICON = {"C11": 165.7e3, "C12": 63.9e3, "C44": 79.6e3}
@@ -294,6 +295,35 @@ def test_carter():
     contact = ts.solve(scene.replace(**{"creepage.longitudinal": xi}))
     assert contact.p_max == pytest.approx(scene.hertz.p0, rel=1e-4)  # 512 elements
     assert contact.Qx / 30.0 == pytest.approx(0.75, rel=1e-3)  # stick edge within an element
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:friction.mu")
+def test_kalker():
+    """Creep coefficients of zinc, by the law of any anisotropy, are those of `tangential`.
+
+    Two meshes are extrapolated, whose errors change with the elements at the edge.
+    """
+    five = {"C11": 165e3, "C12": 31.1e3, "C13": 50e3, "C33": 61.8e3, "C44": 39.6e3}
+    body = {"radius_x": 40.0, "radius_y": 40.0, "stiffness": five}
+    scene = ts.Scene(
+        body={"A": body, "B": body}, load={"normal": 100.0}, friction={"mu": 1000.0}
+    )  # fmt: skip
+    half, zinc = [1.1 * scene.hertz.a] * 2, scene.body.A.response
+    any_body = ts.AnisotropicMaterial.from_matrix(zinc.stiffness)
+    laws = ts.Laws.of(scene).replace(elasticity=ts.AnisotropicHalfSpaces(any_body, any_body))
+    found = []
+    for n in (44, 88):
+        on_mesh = scene.replace(grid={"half_length": half, "elements": [n, n]})
+        long, wide, turn = (
+            ts.solve(on_mesh.replace(creepage={name: 1e-9}), laws=laws)
+            for name in ("longitudinal", "lateral", "spin")
+        )
+        size = np.sqrt(np.count_nonzero(long.touching) * long.grid.element_area / np.pi)
+        forces = np.array((long.Qx, wide.Qy, turn.Qy / size, turn.Mz / size**2))
+        found.append(-forces / (1e-9 * size**2 * zinc.tangential.shear))
+    expected = creep_coefficients(1.0, zinc.tangential.poisson)
+    np.testing.assert_allclose(2.0 * found[1] - found[0], expected, rtol=8e-3)
 
 
 def test_line_contact_of_crystals_without_symmetry():
