@@ -365,7 +365,7 @@ class Newton:
     aim: float = 0.3
     rough: float = 1e-4
     rounding: float = 0.02
-    single_from: float = 2_500
+    single_from: float = 5_000
     gmres_from: float = 5_000
     inside: float = 0.999
 
