@@ -51,6 +51,12 @@ def corner(poisson, distance, n=12, width=1e4):
     return 1.0 + ends(pressure)[middle].mean() / moved[middle].mean()
 
 
+def test_bodies_that_are_symmetric_have_a_symmetric_pressure():
+    pressure = ts.solve(rollers(other=0, grid={"elements": [13, 31]})).pressure
+    # Rows are interpolated to 1e-4, from the same places on both sides.
+    np.testing.assert_allclose(pressure, pressure[:, ::-1], atol=1e-6 * pressure.max())
+
+
 def test_without_lateral_contraction_the_line_contact_reaches_the_ends():
     scene = rollers(poisson=0.0)
     contact = ts.solve(scene)

@@ -189,6 +189,7 @@ def _choose_rows(y: np.ndarray, dy: float, widths: list[float]) -> tuple[np.ndar
     passed = np.cumsum(1.0 / np.maximum(1.0, distance / (6.0 * dy)))
     rows = np.flatnonzero(np.diff(np.floor(passed), prepend=-1.0) > 0.0)
     rows = np.union1d(rows, [0, len(y) - 1])
+    rows = np.union1d(rows[2 * rows < len(y)], len(y) - 1 - rows[2 * rows < len(y)])  # symmetric
     chosen, share = rows, np.zeros((len(rows), len(y)))
     order = min(6, len(rows))
     for i in range(len(y)):
