@@ -322,6 +322,17 @@ def test_the_memory_of_large_boxes_is_known_before_they_are_computed():
     assert "more than" in rows["memory"]
 
 
+def test_the_time_of_a_scene_includes_that_of_its_inclusions():
+    def seconds(cells):
+        table = {**SCENE.entries()["inclusion"][0], "cells": cells}
+        scene = SCENE.replace(inclusion=[table])
+        rows = dict(row for section in ts.explain(scene) for row in section.rows)
+        return rows["time"]
+
+    assert "a second or less" in seconds(7)
+    assert "a second or less" not in seconds(31)
+
+
 def test_a_study_varies_the_keys_of_an_inclusion():
     radii = {"key": "inclusion[0].radii", "start": 0.005, "stop": 0.02, "number": 2}
     depth = {"key": "inclusion[0].at[2]", "values": [0.1, 0.2]}

@@ -22,6 +22,7 @@ from tractive_sam.run.inputs import read_measured_gap, read_profiles, warn_of_ga
 from tractive_sam.run.refined_runs import RefinedContact, refine_unworn
 from tractive_sam.scene import Heat, Scene, Solver
 from tractive_sam.schema import describe_tables, required
+from tractive_sam.subsurface import InclusionGroup
 
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
@@ -153,6 +154,8 @@ class TypicalWork:
         of its transforms.
     overhead : float
         Time of a response that does not depend on the mesh, s.
+    cell : float
+        Time for a cell in the transforms of a box around inclusions, s.
     """
 
     stress: float = 1.5
@@ -161,6 +164,7 @@ class TypicalWork:
     planes: float = 15.0
     transforms: float = 3.0
     overhead: float = 4e-4
+    cell: float = 1.5e-5
 
 
 PROGRAM_MEMORY = 220
@@ -263,7 +267,9 @@ def _work(model: Model) -> Iterator[Row]:
         yield Row("time", f"not estimated: {unknown}")
         return
     count = expected_applications(model)
-    seconds = seconds_per_application(model) * count
+    cells = sum(InclusionGroup.transformed_cells(model.scene.inclusion))
+    boxes = len(model.blocks) * expected_records(model) * cells
+    seconds = seconds_per_application(model) * count + TypicalWork().cell * boxes
     transforms = f"{count} elastic responses by Fourier transforms"
     yield Row("time", f"about {format_duration(seconds)} of one core, for {transforms}")
     yield from _describe_resolving_meshes(model, seconds)

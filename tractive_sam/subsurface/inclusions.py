@@ -95,10 +95,14 @@ class InclusionGroup:
         shape = tuple(at.size for at in self.cells)
         return eigenstrain_box(shape, sides, float(self.cells[0][0] - 0.5 * sides[0]), self.poisson)
 
-    @property
-    def bytes_needed(self) -> float:
-        """Memory of the spectra of the box, bytes: of 108 kernels of the image, and 21 others."""
-        return 4.0 * 140 * math.prod(2 * at.size for at in self.cells)
+    @classmethod
+    def transformed_cells(cls, inclusions: Sequence[Inclusion]) -> list[int]:
+        """Return the cells in the transforms of each box in which inclusions are computed."""
+        boxes = (
+            cls([inclusions[k] for k in group], 1.0, 0.3, margin=cls.widest)
+            for group in inclusion_groups(inclusions)
+        )
+        return [math.prod(2 * at.size for at in box.cells) for box in boxes]
 
     @cached_property
     def shares(self) -> np.ndarray:
