@@ -206,6 +206,15 @@ def test_an_inclusion_outside_the_mesh_sees_the_stress_there(y):
     assert around.von_mises == pytest.approx(here, rel=1.5e-2)
 
 
+def test_places_are_those_in_the_body_where_the_running_band_moves(contact):
+    """Fields of a block with shift_y count y from the middle of its band; rows stay in place."""
+    shifted = replace(contact, grid=contact.grid.shifted(0.08))
+    (there,), (here,) = around_inclusions(shifted), around_inclusions(contact)
+    assert there.von_mises == pytest.approx(here.von_mises, rel=1e-9)
+    lift = ts.inclusion_lift(contact)
+    np.testing.assert_allclose(ts.inclusion_lift(shifted), lift, atol=1e-6 * lift.max())
+
+
 def test_alumina_raises_the_utilisation_and_a_void_more(contact):
     (alumina,) = around_inclusions(contact)
     (void,) = around_inclusions(changed(contact, young=0.0))

@@ -392,6 +392,7 @@ def inclusion_lift(contact: State, x: float = 0.0, laws: Laws | None = None) -> 
     True
     """
     laws, grid = laws or Laws.of_contact(contact, ("elasticity", "fatigue")), contact.grid
+    grid = grid.shifted(0.0)  # y of the bodies
     places = [axis.ravel() for axis in np.meshgrid(grid.x, grid.y, indexing="ij")]
     lift = np.zeros(places[0].size)
     for passing in _passages(contact, laws):
@@ -412,7 +413,8 @@ def _passages(contact: State, laws: Laws) -> Iterator[_Passing]:
     for group in inclusion_groups(inclusions):
         body = inclusions[group[0]].body
         depth = worn_depth(contact, body)
-        worn = max(np.interp(inclusions[k].at[1], contact.grid.y, depth) for k in group)
+        y = contact.grid.shifted(0.0).y  # of the bodies
+        worn = max(np.interp(inclusions[k].at[1], y, depth) for k in group)
         yield _Passing(contact, laws, body, group, float(worn))
 
 
@@ -508,6 +510,7 @@ class _Passing:
         """
         depth, x, y = group.cells
         grid = self.contact.grid
+        y = y - grid.shift
         at_depth, depths = _chebyshev(depth, self.nodes)
         reach = np.abs(self.x - grid.centre[0]).max() + np.ptp(x)
         beyond = max(0, math.ceil((reach - grid.half_length[0]) / grid.dx) + 2)
