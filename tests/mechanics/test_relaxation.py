@@ -1,19 +1,25 @@
 """Influence coefficients of bodies that relax, against quadrature of their memory."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import tractive_sam as ts
 from tractive_sam.kernels.half_space import integrals
+from tractive_sam.mechanics.relaxation import FadingMemory
 
 SPEED, COUNT = 100.0, 40
 RUBBER, RIGID = ts.Material(1.0, 0.3), ts.Material(np.inf, 0.5)
 
 
-def quadrature(component, x, y, sides, reach):
-    """The integral of exp(-s/T) K(x + s)/T, in panels between the edges of the element."""
+def quadrature(component, x, y, sides, reach, step=0.0):
+    """The integral of exp(-s/T) K(x + s)/T, in panels between the edges of the element.
+
+    With a step d, times min(s/d, 1).
+    """
     dx = sides[0]
-    edges = [s for s in (-0.5 * dx - x, 0.5 * dx - x) if s > 0.0]
+    edges = [s for s in (-0.5 * dx - x, 0.5 * dx - x, step) if s > 0.0]
     edges = np.unique([0.0, *edges, *np.geomspace(min(dx, reach) / 50.0, 45.0 * reach, 60)])
     nodes, weights = np.polynomial.legendre.leggauss(16)
     low, high = edges[edges <= 45.0 * reach][:-1, None], edges[edges <= 45.0 * reach][1:, None]
@@ -23,7 +29,8 @@ def quadrature(component, x, y, sides, reach):
     kernel = {"zz": zz * r1, "xy": (TT - LL) * xy, "xz": -Lz * x2}[component].reshape(s.shape) / (
         2.0 * np.pi
     )
-    return float((0.5 * (high - low) * weights * np.exp(-s / reach) / reach * kernel).sum())
+    weights = weights * np.exp(-s / reach) / reach * np.minimum(s / step if step else 1.0, 1.0)
+    return float((0.5 * (high - low) * weights * kernel).sum())
 
 
 @pytest.mark.parametrize("sides", [(0.1, 0.1), (0.1, 0.4), (0.4, 0.1)])
@@ -49,6 +56,24 @@ def test_memory_is_that_of_quadrature(sides, reach, error):
             assert found == pytest.approx(
                 exact, abs=(10.0 if component == "xz" else 1.0) * error * largest
             )
+
+
+@pytest.mark.parametrize("step", [0.003, 0.1, 0.137, 0.5])
+@pytest.mark.parametrize("reach", [0.03, 0.3, 30.0])
+def test_memory_after_a_step_is_that_of_quadrature(reach, step):
+    """With the bounds of the memory itself; also far ahead only."""
+    law = FadingMemory(RUBBER, RIGID, None, 1.0, reach, step)
+    largest = ts.LinearHalfSpaces(RUBBER, RIGID).coefficients("zz", (1, 1), 0.1, 0.1)[0, 0]
+    for component, parity in (("zz", 1.0), ("xy", -1.0), ("xz", -1.0)):
+        offsets = component, (COUNT, COUNT), 0.1, 0.1
+        even, lag = law.coefficients(*offsets), law.lag(*offsets)
+        for i, j in ((-30, 0), (-1, 0), (0, 0), (0, 5), (1, 0), (2, 1), (30, 5)):
+            found = even[i, j] + lag[i, j] if i >= 0 else parity * (even[-i, j] - lag[-i, j])
+            exact = quadrature(component, 0.1 * i, 0.1 * j, (0.1, 0.1), reach, step)
+            assert found == pytest.approx(exact, abs=2e-4 * largest)
+        far = replace(law, far=True)
+        ahead = far.coefficients(*offsets) + far.lag(*offsets)
+        assert ahead[12:] == pytest.approx((even + lag)[12:], abs=1e-8 * largest)
 
 
 def test_spectrum_is_that_of_the_periodic_response():

@@ -28,10 +28,6 @@ LAYER = {"thickness": 5.0, "young": 10.0, "poisson": 0.4}
         ("body.A.relaxation", {"body.A.relaxation": "rubber"}),
         ("creepage.speed", {"creepage": {"longitudinal": -0.01}}),
         ("load.pressure", {"load": {"pressure": 3.0}}),
-        (
-            "body.A.relaxation",
-            {"transient": {"distance": [0.0, 5.0], "load": {"normal": [4.0, 5.0]}}},
-        ),
         ("elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
     ],
 )

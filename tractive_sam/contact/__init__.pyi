@@ -14,6 +14,7 @@ from .measured import gap_across as gap_across
 from .measured import rough_maps as rough_maps
 from .measured import standing_roughness as standing_roughness
 from .measured import uncovered_axes as uncovered_axes
+from .memory import Remembered as Remembered
 from .mesh import choose_grid as choose_grid
 from .mesh import describe_grid_entries as describe_grid_entries
 from .mesh import enlarge as enlarge

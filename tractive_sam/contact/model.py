@@ -19,6 +19,7 @@ from tractive_sam.mechanics import (
     Frame,
     FrictionLaw,
     FrictionOnMesh,
+    RelaxingHalfSpaces,
     WearLaw,
 )
 from tractive_sam.operators import (
@@ -358,9 +359,12 @@ class Model:
         return np.zeros(self.grid.elements) + worn + (0.0 if before is None else before)
 
     def scaled_fields(self, contact: State) -> np.ndarray:
-        """Return dimensionless tractions of a contact; for dissimilar bodies after the pressure."""
+        """Return dimensionless tractions of a contact, after the pressure if that does work.
+
+        That of dissimilar bodies and of bodies that relax does.
+        """
         traction = self.frame.to_scaled(contact.traction) / self.units.pressure
-        if not self.elasticity.coupled:
+        if not (self.elasticity.coupled or isinstance(self.elasticity, RelaxingHalfSpaces)):
             return traction
         return np.concatenate((contact.pressure[None] / self.units.pressure, traction))
 

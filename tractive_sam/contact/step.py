@@ -35,12 +35,15 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.compute import ConvolutionMeter, Mirror
+from tractive_sam.contact.memory import Memory, Recalling, Remembered, displace, loads_of
 from tractive_sam.contact.model import Model
+from tractive_sam.contact.particles import Particles, StepWork
 from tractive_sam.contact.solution import solve_problem, state_of
 from tractive_sam.mechanics import (
     FrictionLaw,
     FrictionOnMesh,
     PreviousShare,
+    RelaxingHalfSpaces,
     WearConditions,
     WearLaw,
 )
@@ -81,6 +84,8 @@ class StepInput:
         Factor at the beginning; by default the factor at the end.
     separation : ndarray, shape (n_x, n_y), or float
         Separation added to the undeformed gap at the end, mm.
+    time : float
+        Time that a step without distance takes, s, in which bodies may relax.
     """
 
     distance: float = 0.0
@@ -91,6 +96,7 @@ class StepInput:
     friction: float = 1.0
     friction_before: float | None = None
     separation: np.ndarray | float = 0.0
+    time: float = 0.0
 
     @property
     def mean_friction(self) -> float:
@@ -110,7 +116,7 @@ class StepResult:
         the slip itself, mm.
     supplied : float
         Work of the forces that drive the bodies, N mm: of tangential forces and, for dissimilar
-        bodies, of the load.
+        bodies and those that relax, of the load.
     friction : float
         Work of friction, N mm.
     distance : float
@@ -118,7 +124,8 @@ class StepResult:
     shifted : bool
         Whether it was a shift.
     energy : float
-        Elastic energy at the end, N mm: of the tractions, for dissimilar bodies with the pressure.
+        Elastic energy at the end, N mm: of the tractions, for dissimilar bodies and those that
+        relax with the pressure.
     displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
         Dimensionless, at the nodes of the mesh and ahead of it.
     normal : NormalProblem, optional
@@ -131,6 +138,10 @@ class StepResult:
         Depth worn in the step over the largest depth that pressure can follow.
     extrapolation_error : ndarray, shape (2, n_x, n_y), optional
         Traction less its linear extrapolation from the two steps before, MPa; None without one.
+    memory : Remembered, optional
+        What bodies that relax remember at its end.
+    bulk : ndarray, shape (2,)
+        Work that A and B dissipated inside in the step, N mm.
     """
 
     contact: State
@@ -145,6 +156,8 @@ class StepResult:
     gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     deep: float = 0.0
     extrapolation_error: np.ndarray | None = field(default=None, repr=False)
+    memory: Remembered | None = field(default=None, repr=False)
+    bulk: np.ndarray = field(default_factory=lambda: np.zeros(2), repr=False)
 
     def on(self, grid: Grid) -> "StepResult":
         """Return the result on a wider mesh: depths continue behind, displacement is empty.
@@ -157,6 +170,8 @@ class StepResult:
         unknown = replace(
             self, displacement=np.zeros((2, 0, 0)), normal=None, extrapolation_error=None
         )
+        if self.memory is not None:
+            unknown = replace(unknown, memory=self.memory.on(self.contact.grid, grid))
         return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
@@ -169,6 +184,7 @@ class StepResult:
             friction=self.friction - earlier.friction,
             distance=self.distance - earlier.distance,
             gained=self.gained - earlier.gained,
+            bulk=self.bulk - earlier.bulk,
         )
 
     def has_pressure_of(self, normal: NormalProblem) -> bool:
@@ -176,107 +192,6 @@ class StepResult:
         if self.normal is None or not self.contact.touching.any():
             return False
         return normal.is_the_same_as(self.normal)
-
-
-@dataclass(frozen=True, eq=False)
-class Particles:
-    """Particles at the nodes after, or before, a step, with their part in the work of the step.
-
-    Attributes
-    ----------
-    pressure : ndarray, shape (n_x, n_y)
-        Pressure, MPa.
-    fields : ndarray, shape (2 or 3, n_x, n_y)
-        Dimensionless tractions that do work; for dissimilar bodies after the pressure.
-    change : ndarray, shape (2 or 3, n_x, n_y)
-        Change of the dimensionless displacements in the step.
-    rigid : ndarray, shape (2, n_x, n_y)
-        Slip of the undeformed bodies, dimensionless.
-    weight : float
-        Share of these particles in the work.
-    earlier : bool
-        Whether they are at the nodes before the step.
-    wearing : ndarray, shape (n_x, n_y), or float
-        Factor on the slip that wears: 0 for particles that stick.
-    """
-
-    pressure: np.ndarray
-    fields: np.ndarray
-    change: np.ndarray
-    rigid: np.ndarray
-    weight: float = 1.0
-    earlier: bool = False
-    wearing: np.ndarray | float = 1.0
-
-    @property
-    def traction(self) -> np.ndarray:
-        """Dimensionless traction, shape (2, n_x, n_y)."""
-        return self.fields[-2:]
-
-    @property
-    def slip(self) -> np.ndarray:
-        """Dimensionless slip: rigid slip and the change of displacement, shape (2, n_x, n_y)."""
-        return self.rigid + self.change[-2:]
-
-
-class StepWork:
-    """Work of dimensionless fields on displacements of a model, in N mm.
-
-    Parameters
-    ----------
-    model : Model
-        The scene in numbers.
-    """
-
-    def __init__(self, model: Model):
-        units, grid = model.units, model.grid
-        force = units.pressure * grid.element_area
-        self._slip, self._gap = force * units.slip * grid.dx, force * units.gap
-
-    def tangential(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work, N mm, of tractions on tangential displacements, both dimensionless."""
-        return self._slip * float(np.vdot(fields[-2:], moved[-2:]))
-
-    def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work of the pressure, N mm; 0 if `fields` are tractions only."""
-        return self._gap * float(np.vdot(fields[:-2], moved[:-2]))
-
-    def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
-        """Return the elastic energy, N mm: half the work of fields on their displacements."""
-        moved = displacement[:, : fields.shape[1]]
-        return 0.5 * (self.tangential(fields, moved) + self.normal(fields, moved))
-
-    def supplied(self, groups: Iterable[Particles]) -> float:
-        """Return the work of the forces that drive the bodies in a step, N mm."""
-        return sum(
-            group.weight
-            * (self.normal(group.fields, group.change) - self.tangential(group.fields, group.rigid))
-            for group in groups
-        )
-
-    def friction(self, groups: Iterable[Particles]) -> float:
-        """Return the work of friction in a step, N mm; positive if dissipated."""
-        return -sum(group.weight * self.tangential(group.fields, group.slip) for group in groups)
-
-    def match_work(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
-        """Return the particles with `wearing` scaled so that their work equals that of friction.
-
-        Interpolation also moves particles slightly between nodes that stick. That work is part of
-        the sum, but nothing slides there: the sliding particles wear by all of it.
-
-        Parameters
-        ----------
-        groups : tuple of Particles
-            Particles of the step.
-        friction : float
-            Work of friction of the step, N mm.
-        """
-        wearing = 0.0
-        for group in groups:
-            local = np.maximum(-(group.traction * group.slip).sum(axis=0), 0.0)
-            wearing += group.weight * self._slip * float((group.wearing * local).sum())
-        factor = max(friction, 0.0) / wearing if wearing > 0.0 else 0.0
-        return tuple(replace(group, wearing=factor * group.wearing) for group in groups)
 
 
 @dataclass(frozen=True, eq=False)
@@ -426,6 +341,8 @@ class Stepper:
                 "laws: a transient does not model an interfacial layer; give other laws.elasticity"
             )
         self.model, self.operators, self.work = model, model.operators, StepWork(model)
+        self.memory = Memory(model) if isinstance(model.elasticity, RelaxingHalfSpaces) else None
+        self.at_once = self.operators if self.memory is None else self.memory.operators()
         law = model.wear_law
         self.wear = None if law is None else StepWear(model, law)
         self._edges: list[FrictionSlip] = []
@@ -467,7 +384,11 @@ class Stepper:
             expected = expected + ratio * (expected - earlier.contact.traction)
         rigid = motion.rigid - motion.displacement[-2:]
         kinematics = self._kinematics(before.contact, motion)
-        problem = self._problem(inputs, rigid, kinematics, law, depth.sum(axis=0))
+        recalling = None
+        if self.memory is not None:
+            past = needed(before.memory, "before.memory"), loads_of(before.contact)
+            recalling = self.memory.recall(*past, advection.length, inputs.time)
+        problem = self._problem(inputs, rigid, kinematics, law, depth.sum(axis=0), recalling)
         start = self._start(problem, before, motion, inputs, expected, earlier, ratio)
         outcome = self._solve(problem, start, advection.length)
         result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost
@@ -475,7 +396,7 @@ class Stepper:
             if len(problem.forces):
                 slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
                 motion = replace(motion, rigid=motion.rigid + slip, computed=slip)
-            result, groups = self._with_work(before, inputs, result, motion)
+            result, groups = self._with_work(before, inputs, result, motion, recalling)
             between = advection.part and self.model.elasticity.coupled  # _later_displacement
             cost += Cost(2.0 if between else 1.0)  # for the displacement
             if self.wear is not None:
@@ -531,8 +452,8 @@ class Stepper:
         if not unknown.any():
             return result
         depth = self.model.add_initial_wear(result.worn.sum(axis=0))
-        if self.model.elasticity.coupled:
-            moved = self.operators.coupled_displacement(self.model.scaled_fields(contact))
+        if self.memory is not None or self.model.elasticity.coupled:
+            moved = self.displacement(result, 0)
         else:
             moved = self.operators.normal((contact.pressure / units.pressure)[None])
         undeformed = self.model.undeformed_gap + separation + depth
@@ -572,6 +493,7 @@ class Stepper:
         kinematics: RollingStep,
         law: FrictionLaw,
         worn: np.ndarray | float = 0.0,
+        recalling: Recalling | None = None,
     ) -> Problem:
         """Return the dimensionless problem of a step for a wear depth, mm."""
         model, grid, units = self.model, self.model.grid, self.model.units
@@ -582,8 +504,14 @@ class Stepper:
         x, y = grid.x[:, None], grid.y[None, :]
         # The slip of a step is per element length, the sliding speed per distance.
         slip_unit = units.slip * grid.dx / (inputs.distance or grid.dx)
+        operators, gap = self.at_once, undeformed / units.gap
+        if self.memory is not None and recalling is not None:
+            operators = self.memory.operators(recalling.size)
+            moved = self.memory.displacement(recalling.carried).sum(axis=0)
+            moved = self.memory.scaled(moved)
+            gap, rigid = gap + moved[0], rigid + moved[1:]
         return Problem(
-            NormalProblem(self.operators, undeformed / units.gap, load, approach),
+            NormalProblem(operators, gap, load, approach),
             rigid,
             FrictionOnMesh(law, x, y, units.pressure, slip_unit),
             model.forces_of(inputs.forces),
@@ -598,12 +526,17 @@ class Stepper:
         depth = model.add_initial_wear(0.0)
         return state_of(model, problem, outcome, none, (0.0, 0.0, 0.0), depth)
 
-    def at_rest(self, contact: State) -> StepResult:
-        """Return a contact as the step before the first one, with its energy and displacements."""
-        displacement = self.displacement(StepResult(contact), 1)
-        energy = self.work.energy(self.model.scaled_fields(contact), displacement)
+    def at_rest(self, contact: State, steady: bool = False) -> StepResult:
+        """Return a contact as the step before the first one, with its energy and displacements.
+
+        Bodies that relax have rolled steadily (`steady`), or were just pressed together.
+        """
         none = np.zeros((2, *self.model.grid.elements))
-        return StepResult(contact, energy=energy, displacement=displacement, worn=none, gained=none)
+        result = StepResult(contact, worn=none, gained=none)
+        if self.memory is not None:
+            result = replace(result, memory=self.memory.begin(loads_of(result.contact), steady))
+        result = replace(result, displacement=self.displacement(result, 1))
+        return replace(result, energy=self._energy(result))
 
     def displacement(self, result: StepResult, reach: int) -> np.ndarray:
         """Return dimensionless displacements of a step at the nodes and at `reach` nodes ahead."""
@@ -612,16 +545,30 @@ class Stepper:
             return result.displacement[:, : nx + reach]
         fields = self.model.scaled_fields(result.contact)
         # Solved on the upper half, they are equal on both.
-        mirror = Mirror.of(fields) if self.operators.keep_symmetry else None
+        alike = len(fields) == 2 and self.operators.keep_symmetry
+        mirror = Mirror.of(fields) if alike else None
         first = 0 if mirror is None else fields.shape[2] // 2
         nodes = np.zeros((len(fields), nx + reach, fields.shape[2] - first))
         nodes[:, :nx] = fields[..., first:]
-        operators = self.operators
+        operators = self.at_once
         if reach or mirror:
             operators = operators.part(nodes.shape[1:], mirror, first)
-        with_pressure = len(fields) == 3
-        moved = (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
+        moved = displace(operators, nodes)
+        if self.memory is not None and result.memory is not None:
+            memory = self.memory.moved(result.memory, loads_of(result.contact), reach)
+            by_memory = memory.moved[:, :, : nx + reach].sum(axis=0)
+            return moved + self.memory.scaled(by_memory)
         return moved if mirror is None else mirror.unfold(moved)
+
+    def _energy(self, result: StepResult) -> float:
+        """Return the elastic energy at the end of a step, N mm, with that of a memory's springs."""
+        fields, displacement = self.model.scaled_fields(result.contact), result.displacement
+        if self.memory is None or result.memory is None:
+            return self.work.energy(fields, displacement)
+        columns = fields.shape[1]
+        moved = self.memory.scaled(result.memory.moved[:, :, :columns].sum(axis=0))
+        at_once = self.work.energy(fields, displacement[:, :columns] - moved)
+        return at_once + float(result.memory.stored.sum())
 
     def rigid_slip(
         self, inputs: StepInput, advection: Advection, middle: np.ndarray | float
@@ -738,21 +685,48 @@ class Stepper:
         )
 
     def _with_work(
-        self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
+        self,
+        before: StepResult,
+        inputs: StepInput,
+        result: StepResult,
+        motion: ParticleMotion,
+        recalling: Recalling | None,
     ) -> tuple[StepResult, tuple[Particles, ...]]:
         """Return a step with its work and elastic energy, and the particles that wear.
 
         See `step_work`.
         """
-        work, displacement = self.work, self.displacement(result, max(motion.advection.reach, 1))
-        result = replace(result, displacement=displacement)
+        work, ahead = self.work, max(motion.advection.reach, 1)
+        if self.memory is not None and recalling is not None:
+            past = needed(before.memory, "before.memory"), loads_of(before.contact)
+            last = self.memory.after(*past, recalling, loads_of(result.contact), ahead)
+            result = replace(result, memory=last)
+        result = replace(result, displacement=self.displacement(result, ahead))
         groups = self._particles(before, inputs, result, motion)
-        energy = work.energy(self.model.scaled_fields(result.contact), displacement)
+        if self.memory is not None:
+            result = replace(result, bulk=self._bulk(before, result, groups))
+        energy = self._energy(result)
         supplied, friction = work.supplied(groups), work.friction(groups)
         if motion.advection.part:
-            friction = supplied - (energy - before.energy)
+            friction = supplied - (energy - before.energy) - float(result.bulk.sum())
             groups = work.match_work(groups, friction)
         return replace(result, supplied=supplied, friction=friction, energy=energy), groups
+
+    def _bulk(
+        self, before: StepResult, result: StepResult, groups: Iterable[Particles]
+    ) -> np.ndarray:
+        """Return the work that A and B dissipated inside in a step, N mm, shape (2,).
+
+        It is what the work on the memory has not added to the energy of its springs.
+        """
+        memory, last = needed(self.memory, "memory"), needed(result.memory, "result.memory")
+        lost = needed(before.memory, "before.memory").stored - last.stored
+        for group in groups:
+            moved = memory.scaled(needed(group.recalled, "group.recalled"))
+            fields, work = group.fields, self.work
+            each = [work.normal(fields, m) + work.tangential(fields, m) for m in moved]
+            lost = lost + group.weight * np.array(each)
+        return memory.by_body(lost)
 
     def _particles(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
@@ -761,13 +735,14 @@ class Stepper:
         advection, curved, past = motion.advection, motion.curved, before.contact
         columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
         change = result.displacement[:, :columns] - motion.displacement
+        recalled, recalled_earlier = self._recalled(before, result, motion)
         pressure, last = result.contact.pressure, self.model.scaled_fields(result.contact)
         if not advection.part:
             previous = advection.previous_values(advection.with_nodes_ahead(fields), curved)
             pressed = advection.previous_values(advection.with_nodes_ahead(past.pressure), curved)
             mean = 0.5 * (pressure + pressed), 0.5 * (last + previous)
-            return (Particles(*mean, change, motion.rigid),)
-        after = Particles(pressure, last, change, motion.rigid, weight=0.5)
+            return (Particles(*mean, change, motion.rigid, recalled=recalled),)
+        after = Particles(pressure, last, change, motion.rigid, weight=0.5, recalled=recalled)
         moves = advection.spread((~result.contact.sticking).astype(float), np.zeros_like(curved))
         earlier = Particles(
             past.pressure,
@@ -777,8 +752,22 @@ class Stepper:
             earlier=True,
             weight=0.5,
             wearing=(moves[:columns] > 0.0).astype(float),
+            recalled=recalled_earlier,
         )
         return after, earlier
+
+    def _recalled(
+        self, before: StepResult, result: StepResult, motion: ParticleMotion
+    ) -> tuple[np.ndarray | None, np.ndarray | None]:
+        """Return changes by the memory of each term, mm, of particles at nodes after and before."""
+        if self.memory is None or before.memory is None or result.memory is None:
+            return None, None
+        advection, columns = motion.advection, self.model.grid.elements[0]
+        past = self.memory.moved(before.memory, loads_of(before.contact), advection.reach).moved
+        last = result.memory.moved[:, :, :columns]
+        nodes = past[:, :, : columns + advection.reach]
+        changed = last - advection.previous_values(nodes, motion.curved)
+        return changed, advection.after(last) - past[:, :, :columns]
 
     def _later_displacement(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
         """Return displacements after a step of the particles that were at the nodes before it.
@@ -788,11 +777,15 @@ class Stepper:
         suffices, without an application of an operator.
         """
         columns = self.model.grid.elements[0]
-        if not self.model.elasticity.coupled:
-            return motion.advection.after(result.displacement[:, :columns])
         fields = self.model.scaled_fields(result.contact)
+        if len(fields) == 2:
+            return motion.advection.after(result.displacement[:, :columns])
         spread = motion.advection.spread(fields, motion.curved)
-        return self.operators.part(spread.shape[1:]).coupled_displacement(spread)[:, :columns]
+        moved = displace(self.at_once.part(spread.shape[1:]), spread)[:, :columns]
+        if self.memory is not None and result.memory is not None:
+            recalled = result.memory.moved[:, :, :columns].sum(axis=0)
+            moved = moved + self.memory.scaled(motion.advection.after(recalled))
+        return moved
 
 
 def _without_contact(problem: Problem, outcome: Outcome) -> Outcome:

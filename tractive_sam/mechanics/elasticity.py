@@ -76,7 +76,9 @@ class SurfaceResponse(ABC):
         """
         return float(self.images[0].max(initial=0.0))
 
-    def factor(self, k: np.ndarray | float, speed: float) -> np.ndarray:
+    def factor(
+        self, k: np.ndarray | float, speed: float, step: tuple[float, float] | None = None
+    ) -> np.ndarray:
         """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
 
         Parameters
@@ -85,6 +87,9 @@ class SurfaceResponse(ABC):
             Wave numbers, 1/mm.
         speed : float
             Rolling speed V, mm/s.
+        step : (float, float), optional
+            Distance, mm, and time, s, over which the tractions have grown linearly from zero; by
+            default they have always been there.
         """
         return np.ones_like(k)
 

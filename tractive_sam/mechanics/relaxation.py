@@ -19,6 +19,17 @@ M is integrated from far ahead to the element and beyond, step by step, with the
 and K by polynomials of fifth degree: near the element at ninths of its length, since K has bends at
 its edges; farther away at elements; and beyond the mesh at elements that double in length.
 
+**Steps.** In a step of a transient tractions are linear in time, in the frame of the contact, and
+the exponential is exact. The displacement by the memory is that of the steady memory of the
+tractions at the end of the step, and a rest that fades: exp(-t/tau) times what the material brings
+from where it was before, and C times the decrease of the tractions, with
+
+    C(x) = 1/d integral of exp(-s/T) M(x + s) ds over 0 < s < d,
+
+for a distance d. The response to tractions at the end is K + sum f (M - C). So constant tractions
+end in the steady state, and no d and tau make it unstable: the sequence of responses of a wave to
+its unit tractions, 1, 2, ... steps later, is of positive type.
+
 M is neither even nor odd in x. Its part with the parity of K stores energy, the other one
 dissipates: of equal tractions it gives the work p . dM/dx.
 """
@@ -26,6 +37,7 @@ dissipates: of equal tractions it gives the work p . dM/dx.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -76,13 +88,25 @@ class RelaxingBody(SurfaceResponse):
         memory = sum(speed * time for _, time in self.terms)
         return (self.body.reach(speed) + memory) or 1.0
 
-    def factor(self, k: np.ndarray | float, speed: float) -> np.ndarray:
+    def factor(
+        self, k: np.ndarray | float, speed: float, step: tuple[float, float] | None = None
+    ) -> np.ndarray:
         """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
 
         Parameters as in `SurfaceResponse.factor`.
         """
-        each = (ratio / (1.0 - 1j * np.asarray(k) * speed * time) for ratio, time in self.terms)
-        return np.asarray(1.0 + sum(each))
+        if step is None:
+            each = [ratio / (1.0 - 1j * np.asarray(k) * speed * tau) for ratio, tau in self.terms]
+            return np.asarray(1.0 + sum(each))
+        distance, time = step
+        total = np.ones(np.shape(k), complex)
+        for ratio, tau in self.terms:
+            z = time / tau - 1j * np.asarray(k) * distance
+            small = np.abs(z) < 1e-3
+            z = np.where(small, 1.0, z)
+            exact = (z - 1.0 + np.exp(-z)) / z**2
+            total = total + ratio * time / tau * np.where(small, 0.5, exact)
+        return total
 
 
 def creep_terms(terms: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -127,7 +151,10 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
     datum : float, optional
         For line contacts, see `Strips`; None for contacts of finite width.
     speed : float
-        Rolling speed V, mm/s.
+        Rolling speed V, mm/s; 0: the bodies have relaxed.
+    step : (float, float), optional
+        Distance, mm, and time, s, of a step in which the tractions have grown linearly from zero; a
+        time without distance is a step at rest. By default the tractions have always been there.
 
     Examples
     --------
@@ -140,11 +167,12 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
     """
 
     speed: float = 0.0
+    step: tuple[float, float] | None = None
 
     @property
     def symmetric(self) -> bool:
-        """Whether the operators of pressure and of tractions are symmetric: not with memory."""
-        return False
+        """Whether the operators of pressure and of tractions are symmetric: only at rest."""
+        return not (self.speed if self.step is None else self.step[0])
 
     @property
     def coupled(self) -> bool:
@@ -183,7 +211,9 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
             spectrum = law.periodic(component, period, dx, dy)
             if spectrum is None:
                 return None
-            total = spectrum * body.factor(k, self.speed) + (0.0 if total is None else total)
+            factor = body.factor(k, self.speed, self.step)
+            spectrum = spectrum * (factor.real if self.symmetric else factor)
+            total = spectrum + (0.0 if total is None else total)
         return total
 
     def at_speed(self, speed: float | None) -> "RelaxingHalfSpaces":
@@ -208,16 +238,74 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
         A, B = (getattr(each, "body", each) for each in (self.A, self.B))
         return LinearHalfSpaces(A, B, self.datum).single_body(body)
 
+    @property
+    def glassy(self) -> LinearHalfSpaces:
+        """Elasticity at once after loading."""
+        A, B = (getattr(body, "body", body) for body in (self.A, self.B))
+        return LinearHalfSpaces(A, B, self.datum)
+
+    @property
+    def groups(self) -> dict[str, LinearHalfSpaces]:
+        """Elastic laws of bodies that relax alike: of "AB", or of "A" and of "B"."""
+        if getattr(self.A, "terms", ()) == getattr(self.B, "terms", ()):
+            return {"AB": self.glassy}
+        rigid, glassy = Material(np.inf, 0.5), self.glassy
+        return {"A": replace(glassy, B=rigid), "B": replace(glassy, A=rigid)}
+
 
 def _parts(law: RelaxingHalfSpaces) -> list[tuple[LinearHalfSpaces, SurfaceResponse]]:
     """Return elastic laws of groups of bodies that relax alike, and one body of each."""
-    A, B = law.A, law.B
-    plain_A, plain_B = (getattr(body, "body", body) for body in (A, B))
-    if getattr(A, "terms", ()) == getattr(B, "terms", ()):
-        return [(LinearHalfSpaces(plain_A, plain_B, law.datum), A)]
-    rigid = Material(np.inf, 0.5)
-    of_A = LinearHalfSpaces(plain_A, rigid, law.datum), A
-    return [of_A, (LinearHalfSpaces(rigid, plain_B, law.datum), B)]
+    return [(elastic, getattr(law, names[0])) for names, elastic in law.groups.items()]
+
+
+@dataclass(frozen=True)
+class FadingMemory(LinearHalfSpaces):
+    """Displacement by the memory of a term, or the part of it that a step forgets.
+
+    It is C of the text of this module, or without a distance M.
+
+    Parameters
+    ----------
+    A, B, datum
+        Of the elastic bodies, see `LinearHalfSpaces`.
+    ratio : float
+        f.
+    length : float
+        V tau, mm.
+    distance : float
+        Distance of the step, mm; 0: at once.
+    far : bool
+        Whether only elements far ahead are displaced, more than half a dozen from the load.
+    """
+
+    ratio: float = 1.0
+    length: float = 0.0
+    distance: float = 0.0
+    far: bool = False
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether its operators are symmetric: not with memory."""
+        return not self.length
+
+    def coefficients(
+        self, component: str, offsets: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray:
+        """Return the part with the parity of elastic bodies; see `RelaxingHalfSpaces`."""
+        return self._table(component, offsets, dx, dy)[0]
+
+    def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
+        """Return the other part of the influence coefficients, of the other parity in x."""
+        return self._table(component, offsets, dx, dy)[1]
+
+    def periodic(self, component: str, period: tuple[int, int], dx: float, dy: float) -> None:
+        """Return None: it needs no preconditioner."""
+
+    def _table(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
+        """Return both parts of the influence coefficients, (2, n_x, n_y)."""
+        elastic = LinearHalfSpaces(self.A, self.B, self.datum)
+        lengths = self.length, self.distance
+        return self.ratio * _remember(elastic, component, offsets, (dx, dy), *lengths, self.far)
 
 
 class _Coefficients:
@@ -235,25 +323,38 @@ class _Coefficients:
             self._table = np.zeros((2, *offsets))
             for elastic, body in _parts(self._law):
                 self._table[0] += elastic.coefficients(component, offsets, *self._sides)
-                for ratio, time in getattr(body, "terms", ()):
-                    reach = self._law.speed * time
-                    lagging = _remember(elastic, component, offsets, self._sides, reach)
-                    self._table += ratio * lagging
+                self._add_memory(elastic, body)
         return self._table[:, :nx, :ny]
+
+    def _add_memory(self, elastic: LinearHalfSpaces, body: SurfaceResponse) -> None:
+        """Add the displacement by the memory of a body, or what of it a step renews."""
+        speed, step, offsets = self._law.speed, self._law.step, self._table.shape[1:]
+        if not isinstance(body, RelaxingBody):
+            return
+        if step is not None and not step[0]:
+            renewed = body.factor(0.0, 0.0, step).real - 1.0
+            self._table[0] += renewed * elastic.coefficients(self._component, offsets, *self._sides)
+            return
+        for ratio, time in body.terms:
+            of_term = elastic, self._component, offsets, self._sides, speed * time
+            self._table += ratio * _remember(*of_term)
+            if step is not None:
+                self._table -= ratio * _remember(*of_term, step[0])
 
 
 _coefficients = lru_cache(32)(_Coefficients)
 """The coefficients of a law by component and sides of the elements."""
 
 
+@lru_cache(64)
 def _remember(
     law: LinearHalfSpaces,
     component: str,
     offsets: tuple[int, int],
     sides: tuple[float, float],
     reach: float,
-    near: int = 6,
-    parts: int = 9,
+    distance: float = 0.0,
+    far: bool = False,
 ) -> np.ndarray:
     """Return the memory M of elastic influence coefficients: its parts with and without parity.
 
@@ -265,15 +366,82 @@ def _remember(
         See `Elasticity.coefficients`.
     reach : float
         T = V tau, mm.
-    near : int
-        Elements from the loaded one up to which K is taken at parts of elements.
-    parts : int
-        These parts, odd.
+    distance : float
+        d, mm: C in place of M, see the text of this module.
+    far : bool
+        Whether only elements ahead, at a distance, are needed; elsewhere the table is zero.
 
     Returns
     -------
     ndarray, shape (2, n_x, n_y)
         mm/MPa.
+    """
+    (dx, _), (nx, ny) = sides, offsets
+    parity = -1.0 if component in ("xz", "xy") else 1.0
+    if not reach:
+        table = law.coefficients(component, offsets, *sides)
+        return np.stack((table, np.zeros_like(table)))
+    # Elements of the step, and of the polynomials.
+    further = int(distance / dx) + 6 if distance else 0
+    memory = _memory_along(law, component, (nx + further, ny), sides, reach, far)
+    line, start = memory.line, memory.start
+    if distance:
+        line, start = _mean_over_step(memory, dx / reach, distance / dx)
+    if law.datum is not None:
+        line = line - memory.unit * _at_datum(law.datum, reach, distance, parity)
+    front, rear = line[start:][:nx], np.zeros((nx, ny))
+    if not far:
+        rear = line[start::-1][:nx]
+    return 0.5 * np.stack((front + parity * rear, front - parity * rear))
+
+
+class _Along(NamedTuple):
+    """M of a loaded element along x.
+
+    Attributes
+    ----------
+    line : ndarray, shape (n, n_y)
+        At elements before and after it, mm/MPa.
+    start : int
+        Index of the loaded element.
+    unit : ndarray, shape (n_y,)
+        Factor of -ln|x|, or of the sign of x, far from the load in a line contact.
+    middle : ndarray, shape (m, n_y)
+        Near it, at parts of elements.
+    near, parts : int
+        Elements on both sides in `middle`, and parts of each.
+    """
+
+    line: np.ndarray
+    start: int
+    unit: np.ndarray
+    middle: np.ndarray
+    near: int
+    parts: int
+
+
+def _memory_along(
+    law: LinearHalfSpaces,
+    component: str,
+    offsets: tuple[int, int],
+    sides: tuple[float, float],
+    reach: float,
+    far: bool,
+    near: int = 6,
+    parts: int = 9,
+) -> _Along:
+    """Return M at elements before and after a loaded one.
+
+    Parameters
+    ----------
+    law, component, sides, reach, far
+        See `_remember`.
+    offsets : (int, int)
+        Elements on both sides in x, and in y.
+    near : int
+        Elements from the loaded one up to which K is taken at parts of elements.
+    parts : int
+        These parts, odd.
     """
     (dx, dy), (nx, ny) = sides, offsets
     # Also smaller meshes around the contact have these places of lengths.
@@ -294,33 +462,100 @@ def _remember(
     while 2 * first * lengths[-1] < 40.0 * reach:
         lengths.append(2.0 * lengths[-1])
     rise = table(2 * first + 1, lengths[-1])
+    unit = (rise[first] - rise[2 * first]) / np.log(2.0) if parity > 0.0 else rise[-1]
     value = rise[-1:]
     for step in reversed(lengths):
         beyond = table(2 * first + 4, step)
         value = _sweep(value[0], beyond[first - 2 :], step / reach)
     whole = table(first * 2**doublings + 4, dx)
     ahead = _sweep(value[0], whole[near - 2 :], dx / reach)
+    if far:
+        line = np.concatenate((np.zeros((near, ny)), ahead))
+        return _Along(line, 0, unit, line[:0], near + 2, parts)
     # Sums of parts of elements: K at parts.
-    count = near * parts + 4 + parts // 2
+    count = (near + 1) * parts + 4 + parts // 2
     fine = table(count, dx / parts) / parts
     fine = np.concatenate((parity * fine[:0:-1], fine)).cumsum(axis=0)
     fine = np.concatenate((np.zeros((1, ny)), fine))
     fine = fine[parts:] - fine[:-parts]
-    middle = _sweep(ahead[0], fine[1:], dx / parts / reach)[::parts]
-    behind = _sweep(middle[0], parity * whole[nx + 1 : near - 4 : -1], dx / reach)
-    line = np.concatenate((behind[:-1], middle[:-1], ahead))  # from -(nx - 1) on
-    if law.datum is not None and parity > 0.0:
-        line -= _memory_at_datum(law.datum, reach) / np.log(2.0) * (rise[first] - rise[2 * first])
-    front, rear = line[nx - 1 :][: offsets[0]], line[nx - 1 :: -1][: offsets[0]]
-    return 0.5 * np.stack((front + parity * rear, front - parity * rear))
+    middle = _sweep(ahead[1], fine[1:], dx / parts / reach)
+    inner = middle[parts:-parts:parts]
+    behind = _sweep(inner[0], parity * whole[nx + 1 : near - 4 : -1], dx / reach)
+    line = np.concatenate((behind[:-1], inner[:-1], ahead))  # from -(nx - 1) on
+    return _Along(line, nx - 1, unit, middle, near, parts)
 
 
-def _memory_at_datum(datum: float, reach: float) -> float:
-    """Return the mean memory of -ln(|x|/datum) at both points at the distance of the datum."""
+def _mean_over_step(memory: _Along, rate: float, elements: float) -> tuple[np.ndarray, int]:
+    """Return C at elements, and the index of the loaded one.
+
+    With the bounded solution of N - T dN/dx = M, C(x) is T/d (N(x) - exp(-d/T) N(x + d)). What N is
+    at the end does not matter.
+
+    Parameters
+    ----------
+    memory : _Along
+        M; without `middle` it is zero up to `near`, and C as well.
+    rate : float
+        Element over T.
+    elements : float
+        d over the element.
+    """
+    line, start, _, middle, near, parts = memory
+    whole, part = int(elements), elements - int(elements)
+    at, between = _solve_at(line[start + near - 2 :], rate, 0.0 * line[-1], part)
+    if len(middle):
+        finer = int(part * parts)
+        inner = middle[parts - 2 : 3 - parts]
+        inner, shifted = _solve_at(inner, rate / parts, at[0], part * parts - finer)
+        behind = _solve_at(line[: start - near + 4], rate, inner[0], part)
+        at = np.concatenate((behind[0][:-1], inner[:-1:parts], at))
+        shifted = shifted[finer::parts][: 2 * near]
+        between = np.concatenate((behind[1], shifted, between))
+    count = len(between) - whole
+    mean = at[:count] - np.exp(-rate * elements) * between[whole:]
+    mean /= rate * elements
+    if len(middle):
+        return mean, start - 2
+    return np.concatenate((np.zeros((near, line.shape[1])), mean)), 0
+
+
+def _solve_at(
+    values: np.ndarray, rate: float, end: np.ndarray, part: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the solution of `_sweep` at nodes, and at a part of the step after each but the last.
+
+    Parameters as in `_sweep`; `end` is the solution at the last node.
+    """
+    at, count = _sweep(end, values, rate), len(values) - 6
+    weights = _step_weights(rate, part)
+    added = sum(w * values[i : i + count] for i, w in enumerate(weights))
+    return at, added + np.exp(-rate * (1.0 - part)) * at[1:]
+
+
+def _at_datum(datum: float, reach: float, distance: float, parity: float) -> float:
+    """Return the mean at both points at the distance of the datum of M or C, of -ln|x/datum|.
+
+    Of the sign of x if the parity is negative. Parameters as in `_remember`. What M lacks of it is
+    that of `_memory_along`: M is relative to a load's own datum.
+    """
     # Scenes and results are read without these functions.
+    from scipy.integrate import quad  # noqa: PLC0415
     from scipy.special import exp1, expi  # noqa: PLC0415
 
     r = datum / reach
+    if parity < 0.0:
+        if distance <= datum:
+            return float(np.exp(-r))
+        d = distance / reach
+        return float(((r + 1.0) * np.exp(-r) - np.exp(-d)) / d)
+    if distance:
+
+        def remembered(s: float) -> float:
+            left = min(s * reach / distance, 1.0) * np.exp(-s)
+            return float(-0.5 * left * np.log(max(abs(1.0 - (s / r) ** 2), 1e-300)))
+
+        places = [k for k in (distance / reach, r) if k < 45.0]
+        return float(quad(remembered, 0.0, 45.0, points=places or None, limit=200)[0])
     if r > 50.0:  # asymptotic
         return 1.0 / r**2
     return float(0.5 * (np.exp(-r) * expi(r) - np.exp(r) * exp1(r)))
@@ -353,12 +588,16 @@ def _sweep(start: np.ndarray, values: np.ndarray, rate: float) -> np.ndarray:
 
 
 @lru_cache(256)
-def _step_weights(rate: float) -> np.ndarray:
-    """Return the weights of K at six nodes in the integral of its polynomial over a step."""
+def _step_weights(rate: float, start: float = 0.0) -> np.ndarray:
+    """Return the weights of K at six nodes in the integral of its polynomial over a step.
+
+    It begins at a part of the step, where the exponential is 1.
+    """
     # Of the step only the part within reach of the exponential counts.
-    end, nodes = min(1.0, 40.0 / rate), np.arange(-2, 4)
+    end, nodes = min(1.0 - start, 40.0 / rate), np.arange(-2, 4)
     points, shares = np.polynomial.legendre.leggauss(24)
     points = 0.5 * end * (1.0 + points)
     shares = 0.5 * end * shares * rate * np.exp(-rate * points)
+    points = start + points
     factors = [[(points - j) / (i - j) for j in nodes if j != i] for i in nodes]
     return np.array([shares @ np.prod(factor, axis=0) for factor in factors])

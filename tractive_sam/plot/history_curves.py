@@ -386,6 +386,9 @@ def energies(history: History) -> Figure:
     friction = np.cumsum(np.append(0.0, history["step_friction"][1:]))
     axes.plot(course, work, color=LOOK.blue, label="work supplied")
     axes.plot(course, friction, color=LOOK.vermillion, label="friction")
+    if "step_bulk" in history.columns:
+        inside = history["step_bulk"].sum(axis=1)
+        axes.plot(course, np.cumsum(inside), color=LOOK.green, label="inside the bodies")
     axes.plot(course, stored - stored[0], "k--", label="elastic energy gained")
     axes.set_ylabel(f"energy ({history.columns['step_work'].unit})")
     axes.legend(loc="best")

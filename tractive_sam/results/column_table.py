@@ -396,15 +396,18 @@ _SCALARS = (
              symbol=r"\delta_y"),
     _of_step("turn", "rad", "rotation of A relative to B since the start, including spin"),
     _of_step("step_work", "N mm", "work supplied in the step before this record by tangential "
-                                  "forces and, for dissimilar bodies, by the load",
-             per_length=True),
+                                  "forces and, for dissimilar bodies and those that relax, by "
+                                  "the load", per_length=True),
     _of_step("step_friction", "N mm", "frictional work in the step before this record",
              per_length=True),
+    Quantity("step_bulk", "N mm", "work that a body loses inside in the step before this record",
+             dims=("body",), needs=("transient", "body.relaxes"), per_length=True),
     _of_step("friction_work", "N mm", "frictional work since the start", per_length=True),
     Quantity("step_worn", "mm3", "volume worn off both bodies in the step before this record",
              per_length=True, needs=("transient", "wear")),
     _of_step("elastic_energy", "N mm", "elastic energy due to the tractions and, for dissimilar "
-                                       "bodies, the pressure", symbol="W", per_length=True),
+                                       "bodies and those that relax, the pressure", symbol="W",
+             per_length=True),
     Quantity("next_step", "1", "increment of the parameter in the next step",
              needs=("schedule.shifts",)),
     Quantity("next_step", "mm", "length of the next step", needs=("transient.rolls",)),

@@ -115,7 +115,9 @@ class StepBalance(SteadyBalance):
     @property
     def dissipated(self) -> str:
         """Quantity that the energy balance compares with the supplied work."""
-        return "friction dissipates and the bodies store"
+        relaxes = self.history.scene.has("body.relaxes")
+        lost = "friction and the bodies dissipate" if relaxes else "friction dissipates"
+        return f"{lost} and the bodies store"
 
     @property
     def energy(self) -> np.ndarray:
@@ -127,7 +129,10 @@ class StepBalance(SteadyBalance):
         stored, supplied = history["elastic_energy"], history["step_work"]
         gained = np.diff(stored, prepend=np.nan)
         driven = np.abs(supplied) > 1e-6 * np.abs(stored)
-        return _ratio(history["step_friction"] + gained, supplied, driven)
+        lost = history["step_friction"]
+        if "step_bulk" in history.columns:
+            lost = lost + history["step_bulk"].sum(axis=1)
+        return _ratio(lost + gained, supplied, driven)
 
     @property
     def wear(self) -> np.ndarray:

@@ -52,6 +52,11 @@ class Courses:
         """Return whether the bodies roll in a stretch between two knots; otherwise they shift."""
         return self.stage(stretch).rolls
 
+    def time(self, length: float, stretch: int) -> float:
+        """Return the time, s, of a part of the parameter of a shift; 0 if shifts take none."""
+        stage = self.stage(stretch)
+        return (stage.duration or 0.0) * length / (stage.distance[-1] - stage.distance[0])
+
     def rolled_to(self, stretch: int) -> bool:
         """Return whether bodies roll into the end of a stretch of knots (-1: the first knot)."""
         return self.rolls(stretch) or (stretch < 0 and self.table.start == "steady")

@@ -26,6 +26,7 @@ import numpy as np
 
 from tractive_sam.contact import (
     Model,
+    Remembered,
     StepInput,
     Stepper,
     StepResult,
@@ -197,6 +198,11 @@ def _friction_heat(result: StepResult) -> np.ndarray:
     return result.friction / total * local
 
 
+def _by_body(values: np.ndarray) -> dict[str, float]:
+    """Return the values of A and B by name."""
+    return dict(zip(BODIES, values.tolist(), strict=True))
+
+
 def _per_body(
     objects: Mapping[str, Any],
     function: Callable[[Any, np.ndarray], Any],
@@ -286,7 +292,12 @@ class Moment(Step):
             depths = {name: state[name] for name in ("worn", "gained")}
             worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
         energy = float(history["elastic_energy"][row])
-        result = StepResult(contact, energy=energy, **{"worn": none, "gained": none} | depths)
+        memory = None
+        if "memory_rest" in state:
+            places, rest = state["memory_places"], state["memory_rest"]
+            memory = Remembered(places, rest, state["memory_datum"], state["memory_stored"])
+        worn_fields = {"worn": none, "gained": none} | depths
+        result = StepResult(contact, energy=energy, memory=memory, **worn_fields)
         shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
         return cls(
             float(columns["distance"][row]),
@@ -318,7 +329,7 @@ class Moment(Step):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, to resume: tractions and pressure one step before, and the wear."""
+        """Arrays, by name, to resume: fields one step before, wear, and what bodies remember."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
         state = {
@@ -328,6 +339,9 @@ class Moment(Step):
         }
         if self.contact.scene.wear is not None:
             state |= {"worn": self.result.worn, "gained": self.result.gained}
+        if (memory := self.result.memory) is not None:
+            state |= {"memory_places": memory.places, "memory_rest": memory.rest}
+            state |= {"memory_datum": memory.datum, "memory_stored": memory.stored}
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
@@ -339,15 +353,17 @@ class Moment(Step):
         if rolls and distance > 0.0:
             per_distance["work_supplied"] = step.supplied / distance
             per_distance["dissipation"] = step.friction / distance
+            per_distance["bulk_dissipation"] = _by_body(step.bulk / distance)
         elif step.shifted or not rolls:
             # A shift has no creepage, and its work is not per distance.
             of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
             per_distance = dict.fromkeys((*of_rolling, "t_gamma_over_area"), np.nan)
             per_distance["creepage_found"] = np.full(2, np.nan)
+            per_distance["bulk_dissipation"] = _by_body(np.full(2, np.nan))
         if contact.scene.wear is not None:
             per_distance |= self._worn(course.table.rolls, step)
             per_distance |= {} if rolls else {"worn_area": np.nan}
-            contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
+            contact = replace(contact, volumes=_by_body(self.volumes))
         values = {
             "distance": self.distance,
             "stretch": self.stretch,
@@ -357,6 +373,7 @@ class Moment(Step):
             "turn": self.shifts[2],
             "step_work": step.supplied,
             "step_friction": step.friction,
+            "step_bulk": _by_body(step.bulk),
             "friction_work": self.friction,
             "elastic_energy": step.energy,
             "solves": self.solves,
@@ -448,6 +465,7 @@ class TransientProcess(Process[Moment]):
         creepages: tuple[float, float, float],
         at: float,
         before: Mapping[str, float | None] | None = None,
+        time: float = 0.0,
     ) -> StepInput:
         """Return the `StepInput` (distance, loads, creepages, friction) of a step."""
         return StepInput(
@@ -459,6 +477,7 @@ class TransientProcess(Process[Moment]):
             self.courses.friction_factor(inputs),
             self.courses.friction_factor(before or inputs),
             self._separation(at),
+            time,
         )
 
     def _separation(self, distance: float) -> np.ndarray | float:
@@ -469,7 +488,7 @@ class TransientProcess(Process[Moment]):
         """Return the first moment: the contact at the first knot, at rest or rolling steadily."""
         first, at = self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
-            moment = self._first_moment(self._steady(), at)
+            moment = self._first_moment(self._steady(), at, True)
             shifted = self.courses.shifts_from_steady
         else:
             moment = self._first_moment(
@@ -493,13 +512,13 @@ class TransientProcess(Process[Moment]):
         contact = equilibrium(steady, worn + depth, check_resolution=False)
         return replace(contact, scene=model.scene, wear=worn, laws=model.laws)
 
-    def _first_moment(self, contact: State, at: float) -> Moment:
+    def _first_moment(self, contact: State, at: float, steady: bool = False) -> Moment:
         """Return the first moment from the first contact, of new or worn bodies."""
         model, volumes = self.model, np.zeros(2)
         if model.began is not None:
             lost = contact.volumes_of(dict(zip(BODIES, model.began.on(model.grid), strict=True)))
             volumes = np.nan_to_num([lost[body] for body in BODIES])
-        result, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
+        result, deepest = self.stepper.at_rest(contact, steady), float(contact.wear.max())
         worn: dict[str, Any] = {"volumes": volumes, "deepest": deepest, "began": model.began}
         return Moment(at, -1, result, courses=self.courses, **worn)
 
@@ -626,7 +645,8 @@ class TransientProcess(Process[Moment]):
             0.5 * (final + first) if rolls else final - first
             for first, final in zip(creepages_of(begin), creepages_of(end), strict=True)
         )
-        inputs = self._input(length if rolls else 0.0, end, (xi_x, xi_y, spin), at, begin)
+        distance, time = (length, 0.0) if rolls else (0.0, courses.time(length, stretch))
+        inputs = self._input(distance, end, (xi_x, xi_y, spin), at, begin, time)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         earlier = last.before
         if beyond is not None:

@@ -241,6 +241,20 @@ REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
 """Keys of [wear] that only apply to revolutions."""
 
 
+def _check_duration(entries: ValidEntries) -> Iterator[Fault]:
+    """Report the duration of shifts of bodies that do not relax, and of rolling."""
+    transient = entries["transient"]
+    for key, stage in {} if transient is None else transient.by_key.items():
+        if stage.duration is None:
+            continue
+        if stage.rolls:
+            cure = "nothing: bodies that roll take the time that creepage.speed gives"
+            yield Fault(f"{key}.duration", f"{stage.duration:g}, without a shift", cure)
+        elif not entries["body"].relaxes:
+            cure = "nothing, or body.A.relaxation: without it a shift does not depend on time"
+            yield Fault(f"{key}.duration", f"{stage.duration:g}", cure)
+
+
 def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
     """Report entries of [wear] that a transient excludes, or without it the missing revolutions."""
     transient, wear = entries["transient"], entries["wear"]
@@ -316,6 +330,7 @@ TRANSIENT_CHECKS: tuple[Check, ...] = (
     _check_tables_of_transient,
     _check_sliding_speed_exists,
     _check_wear_of_transient,
+    _check_duration,
     _check_keys_of_courses,
     _check_step_length,
 )
@@ -340,7 +355,9 @@ def _check_speed(entries: ValidEntries) -> Iterator[Fault]:
     if friction is not None and friction.share is not None:
         cure = f'friction.law = "{friction.law}" depends on the sliding speed'
         yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s: {cure}")
-    if entries["body"].relaxes:
+    transient = entries["transient"]
+    rolls = transient is None or transient.rolls or transient.start == "steady"
+    if entries["body"].relaxes and rolls:
         cure = "rolling speed V, mm/s, which a body with relaxation needs"
         yield Fault("creepage.speed", "nothing", cure)
 

@@ -395,7 +395,6 @@ class Relaxation(BodyPart):
         "poisson": "poisson of the body: it does not change with the time",
     }
     excludes = BodyLayer.excludes | {
-        "transient": "the memory of the bodies is that of steady rolling",
         "tables": "forces of bodies that relax do not scale with load and creepage",
     }
     ratio: NotNegative = entry(
@@ -423,7 +422,7 @@ class Relaxation(BodyPart):
             share = 1.0 / body.factor(0.0, 0.0).real
             times = ", ".join(f"{time:.4g}" for _, time in body.terms)
             text = f"creep in {times} s; long after loading {share:.4g} of the modulus"
-            yield "relaxation", f"{text}, in all layers; each pass begins at rest"
+            yield "relaxation", f"{text}, in all layers"
 
 
 def check_relaxation(entries: ValidEntries) -> Iterator[Fault]:

@@ -251,7 +251,9 @@ class Distance(Schedule):
 
     def under_largest_load(self, scene: Any) -> Any:
         """Return the steady scene, without wear, under the largest load of its courses."""
-        scene = scene.replace(transient=None, wear=None)
+        at_rest = scene.body.relaxes and scene.creepage.speed is None
+        slow = {"creepage.speed": 1e-9} if at_rest else {}  # the bodies have relaxed
+        scene = scene.replace(transient=None, wear=None, **slow)
         candidates = [scene.replace(**{key: load}) for key, load in self.largest_loads.items()]
         if self.own_load or not candidates:
             candidates.append(scene)
@@ -331,6 +333,10 @@ class CourseTable(Table):
     )
     tolerance: Real = entry(
         "relative error of the tractions in an adaptive step", default=1e-3, gt=0, le=0.1
+    )
+    duration: Positive | None = optional(
+        "time of a shift from its first knot to the last, s, in which bodies relax; by default it "
+        "takes no time",
     )
     forced: ClassVar[tuple[tuple[str, str], ...]] = (
         ("force_x", "longitudinal"),

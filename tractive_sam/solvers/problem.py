@@ -54,9 +54,10 @@ class NormalProblem:
     approach: float = 0.0
 
     def is_the_same_as(self, problem: "NormalProblem") -> bool:
-        """Return whether two problems have equal gap, load and approach."""
+        """Return whether two problems have equal operators, gap, load and approach."""
         prescribed = self.load == problem.load and self.approach == problem.approach
-        return prescribed and np.array_equal(self.gap, problem.gap)
+        same = prescribed and self.operators is problem.operators
+        return same and np.array_equal(self.gap, problem.gap)
 
     def within(self, box: Box) -> "NormalProblem":
         """Return the problem restricted to a rectangle (box) of elements."""
