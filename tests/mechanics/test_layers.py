@@ -266,3 +266,17 @@ def test_gradient_without_change_is_a_plain_layer():
 def test_unknown_gradient():
     with pytest.raises(ValueError, match="gradient"):
         ts.Layer(1.0, BASE, "linear")
+
+
+@pytest.mark.parametrize("step", [0.1, 0.3, 0.4, 0.5])
+def test_worn_layers_are_those_that_remain_to_a_step(step):
+    """Also for steps that do not divide the thickness, and in a body that relaxes."""
+    terms = ((0.5, 0.01),)
+    for depth in np.linspace(0.0, 1.02, 52):
+        body = THREE.worn(depth, step)
+        thickness = [layer.thickness for layer in getattr(body, "layers", ())]
+        late = sum(thickness) - max(1.0 - depth, 0.0)
+        assert -1e-8 <= late <= step * 0.5
+        # A layer that is worn through is gone.
+        assert len(thickness) == np.sum(depth < np.array([0.2, 0.5, 1.0]) - 1e-8)
+        assert ts.RelaxingBody(THREE, terms).worn(depth, step) == ts.RelaxingBody(body, terms)

@@ -93,6 +93,18 @@ class SurfaceResponse(ABC):
         """
         return np.ones_like(k)
 
+    def worn(self, depth: float, step: float) -> "SurfaceResponse":
+        """Return the body without a worn depth, mm, in steps of its layers; default: the body.
+
+        Parameters
+        ----------
+        depth : float
+            mm.
+        step : float
+            Share of the thickness of a layer by which it becomes thinner at once.
+        """
+        return self
+
 
 @dataclass(frozen=True)
 class Material(SurfaceResponse):
@@ -414,7 +426,7 @@ class Elasticity(Law, ABC):
         depths : (float, float)
             mm.
         step : float
-            See `LayeredBody.worn`.
+            See `SurfaceResponse.worn`.
         """
         return self
 

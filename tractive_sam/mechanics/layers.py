@@ -201,12 +201,7 @@ class LayeredBody(SurfaceResponse):
     def worn(self, depth: float, step: float) -> "LayeredBody | Material":
         """Return the body without a worn depth, mm, in steps; the base if all layers are worn.
 
-        Parameters
-        ----------
-        depth : float
-            mm.
-        step : float
-            Share of the thickness of a layer by which it becomes thinner at once.
+        Parameters as in `SurfaceResponse.worn`.
 
         Examples
         --------
@@ -216,8 +211,9 @@ class LayeredBody(SurfaceResponse):
         (0.07, True)
         """
         for number, layer in enumerate(self.layers):
-            share = step * np.floor(depth / layer.thickness / step + 1e-9)
-            if share < 1.0 - 1e-9:
+            worn = depth / layer.thickness
+            if worn < 1.0 - 1e-9:
+                share = step * np.floor(worn / step + 1e-9)
                 below = (*self.layers[number + 1 :], Layer(1.0, self.base))[0].material.shear
                 material = layer.material
                 if layer.gradient != "none":
@@ -798,12 +794,8 @@ class LinearHalfSpaces(Elasticity):
         return (amplitudes @ np.exp(-np.pi / side * heights))[:3]
 
     def worn(self, depths: tuple[float, float], step: float) -> "LinearHalfSpaces":
-        """Return the law without worn depths of both bodies, mm, in steps (`LayeredBody.worn`)."""
-        A, B = (
-            body.worn(depth, step) if isinstance(body, LayeredBody) else body
-            for body, depth in zip((self.A, self.B), depths, strict=True)
-        )
-        return replace(self, A=A, B=B)
+        """Return the law without worn depths of both bodies, mm, see `SurfaceResponse.worn`."""
+        return replace(self, A=self.A.worn(depths[0], step), B=self.B.worn(depths[1], step))
 
     def spanning(self, length: float) -> "LinearHalfSpaces":
         """Return the law with the datum of strips of a mesh of the given length, mm (`Strips`)."""

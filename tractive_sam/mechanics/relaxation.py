@@ -88,6 +88,10 @@ class RelaxingBody(SurfaceResponse):
         memory = sum(speed * time for _, time in self.terms)
         return (self.body.reach(speed) + memory) or 1.0
 
+    def worn(self, depth: float, step: float) -> "RelaxingBody":
+        """Return the body without a worn depth, mm, see `SurfaceResponse.worn`."""
+        return replace(self, body=self.body.worn(depth, step))
+
     def factor(
         self, k: np.ndarray | float, speed: float, step: tuple[float, float] | None = None
     ) -> np.ndarray:
