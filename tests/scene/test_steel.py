@@ -11,12 +11,13 @@ from tractive_sam.studies import cases
 SPHERES = ts.Scene.builtin("spheres")
 LIMIT = {"sensitivity": 0.3, "limit": 250.0}
 PROFILE = {"depth": [0.0, 0.2, 1.0], "xx": [-300.0, -150.0, 0.0], "yy": [-300.0, -150.0, 0.0]}
+RULE = {"sensitivity": 0.3, "bodies": ("A",)}
 CASE = {"depth": [0.0, 0.5, 1.0], "hardness": [720.0, 600.0, 380.0], "inclusion": 30.0}
 
 
 def faults(**tables):
     with pytest.raises(ts.SceneError) as error:
-        SPHERES.replace(**tables)
+        SPHERES.replace(**{"subsurface": None, "fatigue": None} | tables)
     return [fault.key for fault in error.value.faults]
 
 
@@ -195,3 +196,25 @@ def test_it_is_described(capsys):
     assert "720" in text
     assert "hardness over the depth" not in text
     assert "residual stress" not in str(ts.explain(SPHERES))
+
+
+@pytest.mark.parametrize(
+    ("tables", "key"),
+    [
+        ({"residual": {"A": PROFILE}}, "residual.A"),
+        (
+            {"residual": {"A": PROFILE}, "subsurface": {"planes": ("y=0",), "bodies": ("B",)}},
+            "residual.A",
+        ),
+        ({"residual": {"A": PROFILE}, "subsurface": {"planes": ("y=0",), "bodies": ("A",)}}, None),
+        ({"fatigue": RULE | {"A": CASE}}, None),
+        # The limit does not depend on an inclusion this small, or where it is given.
+        ({"fatigue": RULE | {"A": CASE | {"inclusion": 0.01}}}, "fatigue.A.inclusion"),
+        ({"fatigue": RULE | {"A": CASE | {"limit": [3e2] * 3}}}, "fatigue.A.inclusion"),
+    ],
+)
+def test_data_on_which_no_column_depends(tables, key):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        SPHERES.replace(**{"subsurface": None, "fatigue": None} | tables)
+    assert [str(w.message).split(":")[0] for w in caught] == ([key] if key else [])

@@ -514,6 +514,7 @@ def scene_notes(scene: Any) -> Iterator[str]:
         if (table := getattr(scene, name)) is not None:
             yield from (f"{name}.profile: {note}" for note in table.notes)
     yield from _unused_entries(scene)
+    yield from _unused_steel(scene)
     yield from _creepage_without_friction(scene)
     yield from _replaced_motion(scene)
 
@@ -526,6 +527,31 @@ def _unused_entries(scene: Any) -> Iterator[str]:
         value = getattr(scene, table).entries().get(name)
         if (table == "creepage" or name.startswith("force")) and value not in (None, course[0]):
             yield f"{key}: {value:g} is not used, as transient.{key} gives it; remove it"
+
+
+def _unused_steel(scene: Any) -> Iterator[str]:
+    """Yield a note for residual stress, hardness and inclusions on which no column depends."""
+    inclusions = {inclusion.body for inclusion in scene.inclusion or ()}
+    for body in "AB":
+        tables = [table for table in (scene.subsurface, scene.fatigue) if table is not None]
+        used = body in inclusions or any(body in table.bodies for table in tables)
+        if scene.has(f"residual.{body}") and not used:
+            cure = f"add [fatigue], [subsurface] or [[inclusion]] of body {body}"
+            yield f"residual.{body}: no column depends on it; {cure}"
+        if not scene.has(f"fatigue.{body}"):
+            continue
+        rule = scene.fatigue.criterion, scene.fatigue.sensitivity
+        strength = getattr(scene.fatigue, body)
+        for key in ("hardness", "inclusion"):
+            if getattr(strength, key) is None:
+                continue
+            limits = [
+                {name: list(values) for name, values in table.find_curves(*rule).items()}
+                for table in (strength, strength.model_copy(update={key: None}))
+            ]
+            if all(limits[0][name] == limits[1].get(name) for name in limits[0].keys() - {key}):
+                cure = "limit and shear_yield follow from other keys; remove it"
+                yield f"fatigue.{body}.{key}: not used, as {cure}"
 
 
 def _creepage_without_friction(scene: Any) -> Iterator[str]:
