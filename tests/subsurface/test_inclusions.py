@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.contact import Model
 from tractive_sam.mechanics import von_mises
 from tractive_sam.operators import isotropic_stiffness
+from tractive_sam.run.explain import expected_applications
+from tractive_sam.run.memory import scene_bytes
 from tractive_sam.studies import cases
 from tractive_sam.subsurface import InclusionGroup, around_inclusions
 from tractive_sam.subsurface.inclusions import surface_points
@@ -258,7 +261,7 @@ def test_wear_uncovers_an_inclusion(contact):
     np.testing.assert_array_equal(gone.plane.depth, before.plane.depth)
 
 
-def test_the_lift_of_the_surface_acts_back_on_the_contact_on_request(contact):
+def test_the_lift_of_the_surface_is_symmetric_and_moves_with_the_inclusion(contact):
     shallow = {"radii": 0.03, "at": [0.05, 0.0, 0.06]}
     hole = SCENE.replace(inclusion=[{**shallow, "young": 0.0, "body": "B", "cells": 7}])
     lift = ts.inclusion_lift(replace(contact, scene=hole))
@@ -266,12 +269,114 @@ def test_the_lift_of_the_surface_acts_back_on_the_contact_on_request(contact):
     assert lift[place] < 0.0  # the surface above a void yields
     assert contact.grid.x[place[0]] == pytest.approx(0.05, abs=contact.grid.dx)
     np.testing.assert_allclose(lift, lift[:, ::-1], atol=1e-4 * abs(lift[place]))
-    approaches = [contact.approach]
-    for _ in range(2):
-        contact = ts.solve(hole, wear=-ts.inclusion_lift(replace(contact, scene=hole)))
-        approaches.append(contact.approach)
-    assert approaches[0] < approaches[1]
-    assert abs(approaches[2] - approaches[1]) < 0.1 * (approaches[1] - approaches[0])
+
+
+def lifting(young, elements=11, **keys):
+    """A scene with a shallow inclusion whose lift changes the contact."""
+    table = {"body": "B", "at": [0.0, 0.0, 0.1], "radii": 0.05, "young": young, "poisson": 0.3}
+    changes = {"grid.elements": [elements, elements], "fatigue": None}
+    return SCENE.replace(inclusion=[{**table, "cells": 5, "lifts": True, **keys}], **changes)
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    """The contact above which `lifting` inclusions pass."""
+    return ts.solve(lifting(208e3))
+
+
+def test_a_void_lowers_the_pressure_above_it_and_a_rigid_inclusion_raises_it(coarse):
+    peaks = {}
+    for young in (0.0, 1e8):
+        scene = lifting(young)
+        (around,) = around_inclusions(replace(coarse, scene=scene))
+        above, middle = around.above, len(around.above.x) // 2
+        assert above.is_settled
+        peaks[young] = above.peaks[middle]
+        assert above.peaks[0] == pytest.approx(coarse.p_max, rel=3e-3)  # not yet below the contact
+        # The lift in the gap is the lift by the pressure of this contact.
+        own = ts.inclusion_lift(replace(above.contacts[middle], scene=scene))
+        largest = np.abs(own).max()
+        np.testing.assert_allclose(above.lifts[middle], own, atol=1e-3 * largest)  # table of lifts
+        np.testing.assert_allclose(above.lifts[middle], own[::-1], atol=1e-3 * largest)
+    assert peaks[0.0] < 0.98 * coarse.p_max < 1.02 * coarse.p_max < peaks[1e8]
+
+
+def test_the_constants_of_the_body_lift_nothing(coarse):
+    (around,) = around_inclusions(replace(coarse, scene=lifting(208e3)))
+    assert np.abs(around.above.lifts).max() < 1e-15 * coarse.approach  # rounding
+    np.testing.assert_allclose(around.above.peaks, coarse.p_max, rtol=1e-6)  # of the solver
+    assert around.above.iterations == 1
+
+
+def test_a_small_lift_changes_the_pressure_in_proportion(coarse):
+    changes = []
+    for factor in (1.0, 2.0):
+        swollen = lifting(208e3, eigenstrain=[0.0, 0.0, 1e-5 * factor, 0.0, 0.0, 0.0])
+        (around,) = around_inclusions(replace(coarse, scene=swollen))
+        changes.append(around.above.peaks[10] - coarse.p_max)
+    assert changes[0] > 0.1  # MPa
+    assert changes[1] == pytest.approx(2.0 * changes[0], rel=0.02)  # edge elements change state
+
+
+@pytest.mark.slow
+def test_the_iterated_contact_is_the_direct_solution_with_the_compliance_of_the_inclusion():
+    scene = lifting(0.0, elements=10, at=[0.0, 0.0, 0.17], radii=0.08)
+    contact = ts.solve(scene)
+    (around,) = around_inclusions(contact)
+    found = around.above.contacts[len(around.above.x) // 2]
+    touching, n = found.touching, int(found.touching.sum())
+    extra, plain = np.empty((n, n)), np.empty((n, n))
+    model = Model(scene, grid=contact.grid)
+    for k, place in enumerate(np.argwhere(touching)):
+        unit = np.zeros(contact.grid.elements)
+        unit[tuple(place)] = 1.0
+        loaded = replace(contact, pressure=unit, traction=0.0 * contact.traction)
+        extra[:, k] = -ts.inclusion_lift(loaded)[touching]
+        plain[:, k] = model.operators.normal(unit[None])[0][touching]
+    plain *= model.units.gap / model.units.pressure
+    # Work of a pressure on the lift by another one is that of the other on the lift by the first.
+    assert np.abs(extra - extra.T).max() < 3e-2 * np.abs(extra).max()  # points, not elements
+    assert found.pressure[touching] @ extra @ found.pressure[touching] > 0.0  # a void is soft
+    area, gap = contact.grid.element_area, model.undeformed_gap[touching]
+    for matrix, solved in ((plain, contact), (plain + extra, found)):
+        # The pressure closes the gap at an unknown approach, and carries the load.
+        inverse = np.linalg.solve(matrix, np.stack((np.ones(n), gap), axis=1))
+        approach = (solved.P / area + inverse[:, 1].sum()) / inverse[:, 0].sum()
+        pressure = approach * inverse[:, 0] - inverse[:, 1]
+        if solved is found:
+            np.testing.assert_allclose(found.pressure[touching], pressure, atol=1e-3 * found.p_max)
+            assert found.approach == pytest.approx(approach, rel=1e-5)
+        else:
+            assert abs(solved.approach - approach) < 1e-2 * approach  # other elements touch
+
+
+def test_the_lift_is_stored_and_remarked(tmp_path):
+    path = tmp_path / "lift.h5"
+    scene = lifting(0.0)
+    history = ts.roll(scene, path)
+    stored = ts.open_history(path)
+    for name in ("p_max", "p_min", "iterations", "residual"):
+        column = f"inclusion_{name}"
+        np.testing.assert_array_equal(stored[column], history[column])
+    assert stored["inclusion_p_min"][0, 1] < 0.99 * stored["p_max"][0]
+    assert stored["inclusion_convolutions"][0] > 10.0 * stored["convolutions"][0]
+    without = ts.roll(scene.replace(**{"inclusion[0].lifts": False}))
+    assert "inclusion_p_min" not in without.columns
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes"),
+    [
+        ("inclusion", {"body.A.radius_y": np.inf, "body.B.radius_y": np.inf, "grid": None,
+                       "load": {"normal": 500.0}}),
+        ("wheel-rail", {}),
+        ("traction-control", {}),
+    ],
+)  # fmt: skip
+def test_a_lift_that_no_contact_can_have_is_refused(scene, changes):
+    with pytest.raises(ts.SceneError) as error:
+        ts.Scene.builtin(scene).replace(inclusion=[GOOD | {"lifts": True}], **changes)
+    assert "inclusion[0].lifts" in [fault.key for fault in error.value.faults]
 
 
 GOOD = {"at": [0.0, 0.0, 0.1], "radii": 0.02, "young": 389e3, "poisson": 0.25}
@@ -340,6 +445,15 @@ def test_the_time_of_a_scene_includes_that_of_its_inclusions():
 
     assert "a second or less" in seconds(7)
     assert "a second or less" not in seconds(31)
+
+
+def test_explain_counts_the_contacts_that_inclusions_lift():
+    works = []
+    for inclusion in (None, [GOOD], [GOOD | {"lifts": True}]):
+        model = Model(SCENE.replace(inclusion=inclusion))
+        works.append((expected_applications(model), scene_bytes(model)))
+    assert works == sorted(works)
+    assert works[2][0] > 3 * works[1][0]
 
 
 def test_a_study_varies_the_keys_of_an_inclusion():

@@ -42,9 +42,9 @@ class _Transformed(local):
 _TRANSFORMED = _Transformed()
 
 
-def count_transform(fields: int, padded: tuple[int, int]) -> None:
+def count_transform(fields: int, padded: tuple[int, ...]) -> None:
     """Add one padded FFT of several fields, forward or backward, to the count of this thread."""
-    _TRANSFORMED.points += fields * padded[0] * padded[1]
+    _TRANSFORMED.points += fields * math.prod(padded)
 
 
 def is_timed(of: int = 8) -> bool:
@@ -68,7 +68,8 @@ class ConvolutionMeter:
 
     The unit is one application of the tangential operator on a mesh: two fields forward and two
     backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,
-    whatever its precision. Operators, preconditioners, coarser meshes and heat are included.
+    whatever its precision. Operators, preconditioners, coarser meshes, heat and the boxes around
+    inclusions are included.
 
     Parameters
     ----------
@@ -457,6 +458,7 @@ class BoxTransform:
         """Return the spectra of fields (fields, n_1, n_2, n_3), padded with zeros."""
         self.values[...] = 0.0
         self.values[tuple(map(slice, fields.shape))] = fields
+        count_transform(len(self.values), self.values.shape[1:])
         for step in self._forward:
             step.execute()
         return self.spectrum
@@ -464,6 +466,7 @@ class BoxTransform:
     def backward(self, spectrum: np.ndarray) -> np.ndarray:
         """Return the inverse transform of spectra, padded, times p_1 p_2 p_3."""
         self.spectrum[...] = spectrum
+        count_transform(len(self.values), self.values.shape[1:])
         for step in self._backward:
             step.execute()
         return self.values

@@ -1,4 +1,4 @@
-"""Strain and displacement of a half-space z >= 0 by eigenstrain in the cells of a box.
+"""Strain and lift of the surface of a half-space z >= 0 by eigenstrain in the cells of a box.
 
 The strain is that of the whole space, in closed form for a cuboid of constant eigenstrain (Mura,
 Micromechanics of Defects in Solids, 1987, section 11), and that of an image that leaves the surface
@@ -9,6 +9,9 @@ The image is a superposition of waves exp(i k.x - k (z + z')) whose amplitudes a
 k z and k z'. Their integral over the lengths of waves is a Legendre function of zeta = z + z', and
 their dependence on the direction ends with the fourth harmonic. It is smooth: Gauss' rule
 integrates it over a cell.
+
+The lift of the surface follows by reciprocity (Betti): the work of a normal force on it is that of
+the stress of the force on the eigenstrain.
 """
 
 import math
@@ -20,8 +23,6 @@ from typing import ClassVar
 import numpy as np
 
 from tractive_sam.compute import box_transform, fast_length
-
-_Harmonics = tuple[tuple[np.ndarray, ...], tuple[np.ndarray, ...]]
 
 
 def isotropic_stiffness(shear: float, poisson: float) -> np.ndarray:
@@ -37,11 +38,10 @@ def isotropic_stiffness(shear: float, poisson: float) -> np.ndarray:
     return stiffness
 
 
-def _image_wave(poisson: float, angle: float, z: float, source: float) -> tuple[np.ndarray, ...]:
-    """Return the image of a wave of length 2 pi: strain (6, 6), and displacement at z = 0 (3, 6).
+def _image_wave(poisson: float, angle: float, z: float, source: float) -> np.ndarray:
+    """Return the strain (6, 6) of the image of a wave of length 2 pi, times exp(z + source).
 
-    Both are per eigenstrain at the depth `source`, times exp(z + source); the displacement includes
-    that of the whole space. The shear modulus is 1.
+    It is per eigenstrain at the depth `source`. The shear modulus is 1.
     """
     along = 1j * np.array([math.cos(angle), math.sin(angle)])
     stiffness = isotropic_stiffness(1.0, poisson)
@@ -83,37 +83,28 @@ def _image_wave(poisson: float, angle: float, z: float, source: float) -> tuple[
         for values, sign, z in ((whole, 1.0, -source), (waves, -1.0, 0.0))
     )
     shares = -np.linalg.solve(loads, tractions)
-    image = at(strain(waves, -1.0), z) @ shares
-    return image, at(whole, -source) + at(waves, 0.0) @ shares
+    return at(strain(waves, -1.0), z) @ shares
 
 
 @lru_cache(16)
-def _image_harmonics(poisson: float, angles: int = 16) -> _Harmonics:
+def _image_harmonics(poisson: float, angles: int = 16) -> tuple[np.ndarray, ...]:
     """Return the amplitudes of the image over the direction, for harmonics 0 to 4.
 
     Returns
     -------
-    strain : four ndarray of complex, shape (5, 6, 6)
-        Factors of 1, k z, k z', and k z k z'.
-    displacement : two ndarray of complex, shape (5, 3, 6)
-        Factors of 1 and k z'.
+    four ndarray of complex, shape (5, 6, 6)
+        Factors of 1, k z, k z', and k z k z' in the strain.
     """
     corners = [
         [_image_wave(poisson, 2.0 * math.pi * k / angles, *at) for k in range(angles)]
         for at in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
     ]
-    one, first, second, both = (
-        np.fft.fft([strain for strain, _ in waves], axis=0)[:5] / angles for waves in corners
-    )
-    here, below = (
-        np.fft.fft([moved for _, moved in waves], axis=0)[:5] / angles for waves in corners[::2]
-    )
-    strain = one, first - one, second - one, both - first - second + one
-    return strain, (here, below - here)
+    one, first, second, both = (np.fft.fft(waves, axis=0)[:5] / angles for waves in corners)
+    return one, first - one, second - one, both - first - second + one
 
 
-def _waves(x: np.ndarray, y: np.ndarray, zeta: np.ndarray, m: int, powers: int) -> list[np.ndarray]:
-    """Return the waves exp(i m angle - k zeta) of all k, by k^s / (2 pi), for s = 0 to `powers`.
+def _waves(x: np.ndarray, y: np.ndarray, zeta: np.ndarray, m: int) -> list[np.ndarray]:
+    """Return the waves exp(i m angle - k zeta) of all k, by k^s / (2 pi), for s = 0 to 4.
 
     The integral of k^s J_m(k rho) exp(-k zeta) over k is a Legendre function of zeta/R over
     R^(s + 1); negative harmonics are conjugate, so that the real part has all.
@@ -121,7 +112,7 @@ def _waves(x: np.ndarray, y: np.ndarray, zeta: np.ndarray, m: int, powers: int) 
     R = np.sqrt(x * x + y * y + zeta * zeta)
     turned = (2.0 - (m == 0)) / (2.0 * math.pi) * (1j * (x + 1j * y) / (R + zeta)) ** m
     values = [1.0 / R, (m * R + zeta) / R**3]
-    for s in range(1, powers):
+    for s in range(1, 4):
         next_one = (2 * s + 1) * zeta * values[s] - (s * s - m * m) * values[s - 1]
         values.append(next_one / R**2)
     return [turned * value for value in values]
@@ -239,7 +230,7 @@ class EigenstrainBox:
     @cached_property
     def _image(self) -> list[list[np.ndarray]]:
         """Spectra of the image by power of the depth and component of the eigenstrain."""
-        (one, first, second, both), _ = _image_harmonics(self.poisson)
+        one, first, second, both = _image_harmonics(self.poisson)
         # Factors of k, zeta k^2 | z k^2, z zeta k^3 | z^2 k^3, as z' = zeta - z.
         factors = ((one, second), (first - second, both), (-both,))
         waves = self._integrate_waves()
@@ -277,7 +268,7 @@ class EigenstrainBox:
         for point, weight in _gauss_points(4 if close else 2):
             u, v, w = point * self.sides
             for m in range(5):
-                waves = _waves(x + v, y + w, zeta + u, m, 4)[2:]
+                waves = _waves(x + v, y + w, zeta + u, m)[2:]
                 terms = waves[0], (zeta + u) * waves[1], waves[1], (zeta + u) * waves[2], waves[2]
                 parts = [weight * dz * dx * dy * term for term in terms]
                 sums[m] = [a + b for a, b in zip(sums[m], parts, strict=True)] if sums[m] else parts
@@ -301,31 +292,50 @@ class EigenstrainBox:
                 mirrored[1 - n :] = (1.0 - 2.0 * is_odd) * mirrored[n - 1 : 0 : -1]
         return transform.forward(padded) / math.prod(self._padded)
 
-    def surface_displacement(
-        self, eigenstrain: np.ndarray, x: np.ndarray, y: np.ndarray
-    ) -> np.ndarray:
-        """Return the displacement (3, n) of the surface at x, y (n,), mm, from the box's middle.
+    def lift(self, eigenstrain: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the displacement (..., n) of the surface out of the body at x, y (n,), mm.
 
-        z points into the half-space.
+        Parameters
+        ----------
+        eigenstrain : ndarray, shape (6, ..., n_z, n_x, n_y)
+            Eigenstrain in the cells.
+        x, y : ndarray, shape (n,)
+            Places from the middle of the box, mm.
         """
-        _, (one, below) = _image_harmonics(self.poisson)
-        filled = np.nonzero(eigenstrain.any(axis=0))
-        source, depth = eigenstrain[:, filled[0], filled[1], filled[2]], self.depth[filled[0]]
-        across = [
-            at[:, None] - side * (k - 0.5 * (n - 1))
-            for at, side, k, n in zip(
-                (x, y), self.sides[1:], filled[1:], self.shape[1:], strict=True
+        shape = eigenstrain.shape[1:-3]
+        filled = np.nonzero(eigenstrain.reshape(-1, *self.shape).any(axis=0))
+        sources = eigenstrain.reshape(6, math.prod(shape), *self.shape)
+        sources = sources[:, :, filled[0], filled[1], filled[2]]
+        weights = math.prod(self.sides) * np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+        depth, across = self.depth[filled[0]], list[np.ndarray]()
+        for side, k, n in zip(self.sides[1:], filled[1:], self.shape[1:], strict=True):
+            across.append(side * (k - 0.5 * (n - 1)))
+        lift = np.empty((sources.shape[1], x.size))
+        for part in np.array_split(np.arange(x.size), math.ceil(x.size * depth.size / 4e3) or 1):
+            stress = sum(
+                weight
+                * _stress_of_force(
+                    across[0] + u - x[part, None],
+                    across[1] + v - y[part, None],
+                    depth + w,
+                    self.poisson,
+                )
+                for (w, u, v), weight in (
+                    (point * self.sides, weight) for point, weight in _gauss_points(2)
+                )
             )
-        ]
-        moved = np.zeros((3, x.size))
-        for point, weight in _gauss_points(2):
-            dz, dx, dy = point * self.sides
-            for m in range(5):
-                waves = _waves(across[0] - dx, across[1] - dy, depth + dz, m, 2)
-                amplitudes = one[m] @ source, (depth + dz) * (below[m] @ source)
-                for amplitude, wave in zip(amplitudes, waves[1:], strict=True):
-                    moved += weight * np.einsum("ck,nk->cn", amplitude, wave).real
-        return moved * math.prod(self.sides)
+            lift[:, part] = -np.einsum("c,cpk,cnk->np", weights, stress, sources, optimize=True)
+        return lift.reshape(*shape, x.size)
+
+
+def _stress_of_force(x: np.ndarray, y: np.ndarray, z: np.ndarray, poisson: float) -> np.ndarray:
+    """Return the stress (6, ...) by a unit force into the surface at the origin (Boussinesq)."""
+    r = np.sqrt(x * x + y * y + z * z)
+    share, down = 1.0 / (2.0 * math.pi * r**3), 3.0 * z / (r * r)
+    first = (1.0 - 2.0 * poisson) * (z - r * r / (r + z))
+    across = (1.0 - 2.0 * poisson) * (2.0 * r + z) / (r + z) ** 2 - down
+    stress = [first + across * x * x, first + across * y * y, -down * z * z, across * x * y]
+    return share * np.stack([*stress, -down * x * z, -down * y * z])
 
 
 def _gauss_points(count: int) -> Iterator[tuple[np.ndarray, float]]:

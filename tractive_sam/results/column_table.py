@@ -142,8 +142,15 @@ _volume = partial(_of_bodies, needs=("fatigue.volume",))
 _shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
 _position = partial(_fatigue, dims=("body", "position"))
 
+
+def _has_lifts(scene: Scene) -> bool:
+    """Return whether the lift of an inclusion of a scene changes the contact."""
+    return any(inclusion.lifts for inclusion in scene.inclusion)
+
+
 _inclusion = partial(Quantity, dims=("body",), needs=("inclusion",), over_blocks="largest")
 _by_inclusion = partial(_inclusion, needs=("inclusion", "fatigue.limit"))
+_by_lift = partial(_inclusion, when=_has_lifts)
 _places: dict[str, Any] = {"dims": ("body", "position"), "over_blocks": "mean"}
 
 # fmt: off
@@ -204,6 +211,29 @@ FATIGUE_COLUMNS = (
              dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
     Quantity("balancing_wear_B", "mm", "wear of body B per revolution that balances fatigue",
              dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
+    _inclusion("inclusion_von_mises", "MPa", "largest von Mises stress next to an inclusion"),
+    _inclusion("inclusion_von_mises_at", "mm",
+               "position (x, y, depth) of the largest von Mises stress next to an inclusion",
+               place_of="inclusion_von_mises", **_places),
+    _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
+    _inclusion("inclusion_lift", "mm", "largest displacement of the surface by inclusions, in "
+                                       "either direction", format=".3g"),
+    _by_lift("inclusion_p_max", "MPa", "largest peak pressure while inclusions pass"),
+    _by_lift("inclusion_p_min", "MPa", "smallest peak pressure while inclusions pass",
+             over_blocks="smallest"),
+    _by_lift("inclusion_iterations", "1", "most contacts solved at a position of inclusions until "
+                                          "their lift and the pressure agree", format="g"),
+    _by_lift("inclusion_residual", "1", "largest change of the lift in the last iteration over the "
+                                        "largest lift", format=".0e"),
+    _by_inclusion("inclusion_utilisation", "1", "largest utilisation next to an inclusion",
+                  symbol="u", format=".3f"),
+    _by_inclusion("inclusion_utilisation_at", "mm",
+                  "position (y, depth) of the largest utilisation next to an inclusion",
+                  place_of="inclusion_utilisation", **_places),
+    Quantity("inclusion_convolutions", "1", "convolutions for the stress around inclusions and the "
+                                            "contacts above them, in units of one tangential "
+                                            "application", needs=("inclusion",),
+             over_blocks="sum"),
 )
 # fmt: on
 
@@ -500,35 +530,6 @@ COLUMNS = (
         )
     ),
     *FATIGUE_COLUMNS,
-    _inclusion("inclusion_von_mises", "MPa", "largest von Mises stress next to an inclusion"),
-    _inclusion(
-        "inclusion_von_mises_at",
-        "mm",
-        "position (x, y, depth) of the largest von Mises stress next to an inclusion",
-        place_of="inclusion_von_mises",
-        **_places,
-    ),
-    _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
-    _inclusion(
-        "inclusion_lift",
-        "mm",
-        "largest displacement of the surface by inclusions, out of the body",
-        format=".3g",
-    ),
-    _by_inclusion(
-        "inclusion_utilisation",
-        "1",
-        "largest utilisation next to an inclusion",
-        symbol="u",
-        format=".3f",
-    ),
-    _by_inclusion(
-        "inclusion_utilisation_at",
-        "mm",
-        "position (y, depth) of the largest utilisation next to an inclusion",
-        place_of="inclusion_utilisation",
-        **_places,
-    ),
     *(
         replace(error_bar_column(column), when=_has_single_load)
         for column in FATIGUE_COLUMNS

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
 from tractive_sam.mechanics import VolumeLife, Woehler
@@ -54,6 +55,7 @@ from tractive_sam.subsurface import (
     Course,
     InclusionGroup,
     InclusionStress,
+    LiftedPass,
     LocalSteel,
     around_inclusions,
     check_depths,
@@ -155,12 +157,26 @@ class AroundInclusions(_ContactObserver):
     name, key, unsolved = "inclusions", "inclusion", True
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory, bytes, of the largest box of cells around inclusions.
+        """Return the memory, bytes, of the largest box of cells, and of contacts by position.
 
-        Measured: spectra of 129 kernels take a third of it, fields while they are computed the
+        Measured: spectra of 129 kernels take a third of a box, fields while they are computed the
         rest.
         """
-        return 1.7e3 * max(InclusionGroup.transformed_cells(model.scene.inclusion))
+        inclusions = model.scene.inclusion
+        box = 1.7e3 * max(InclusionGroup.transformed_cells(inclusions))
+        lifted = any(one.lifts for one in inclusions)
+        return box + lifted * LiftedPass.fields * 8.0 * math.prod(model.grid.elements)
+
+    def applications(self, model: Model) -> float:
+        """Return the elastic responses for contacts that inclusions lift, by record.
+
+        Measured on meshes of 21 to 121; boxes of cells have a time of their own.
+        """
+        lifted = sum(
+            any(model.scene.inclusion[k].lifts for k in group)
+            for group in inclusion_groups(model.scene.inclusion)
+        )
+        return 7e3 * lifted * len(model.blocks)
 
     def describe(self, model: Model) -> Iterator[Row]:
         """Yield the rows (label, text) that `explain` prints for the observer."""
@@ -168,19 +184,33 @@ class AroundInclusions(_ContactObserver):
         yield Row("stress around inclusions", text)
 
     @cached_property
-    def around(self) -> tuple[tuple[InclusionStress, ...], ...]:
-        """Stress around the inclusions below the contact of each block."""
-        blocks = zip(self.contacts, required(self.model, "model").blocks, strict=True)
-        return tuple(around_inclusions(contact, block.laws) for contact, block in blocks)
+    def solved(self) -> tuple[tuple[tuple[InclusionStress, ...], float], ...]:
+        """Stress around the inclusions below the contact of each block, and its convolutions."""
+        results = []
+        for contact, block in zip(self.contacts, required(self.model, "model").blocks, strict=True):
+            meter = ConvolutionMeter(block.operators.lattice.padded)
+            around = around_inclusions(contact, block.laws, block)
+            results.append((around, meter.convolutions))
+        return tuple(results)
 
-    def record_block(self, block: int) -> dict[str, dict[str, Any]]:
+    def record_block(self, block: int) -> dict[str, Any]:
         """Return the columns of a block, by name and body."""
         kinds = ["von_mises", "tension", "lift"]
         if required(self.model, "model").scene.has("fatigue.limit"):
             kinds.append("utilisation")
-        values: dict[str, dict[str, Any]] = {}
+        around, convolutions = self.solved[block]
+        values: dict[str, Any] = {"inclusion_convolutions": convolutions}
         for body in BODIES:
-            here = [one for one in self.around[block] if one.body == body]
+            here = [one for one in around if one.body == body]
+            above = [one.above for one in here if one.above is not None]
+            of_lift = {
+                "p_max": [passing.peaks.max() for passing in above],
+                "p_min": [-passing.peaks.min() for passing in above],
+                "iterations": [passing.iterations for passing in above],
+                "residual": [passing.residual for passing in above],
+            }
+            for name, each in of_lift.items() if above else ():
+                values.setdefault(f"inclusion_{name}", {})[body] = abs(max(each))
             for name in kinds if here else ():
                 top = max(here, key=lambda one: np.nan_to_num(getattr(one, name), nan=-math.inf))
                 values.setdefault(f"inclusion_{name}", {})[body] = getattr(top, name)
@@ -191,13 +221,26 @@ class AroundInclusions(_ContactObserver):
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
         """Return the stress around each inclusion at the moment of its largest value."""
-        return tuple(one.plane for one in self.around[block])
+        return tuple(one.plane for one in self.solved[block][0])
 
     def remark(self, model: Model) -> str:
-        """Return a remark on inclusions that wear has uncovered; empty if there are none."""
-        open_ones = [one.inclusion + 1 for one in self.around[0] if math.isnan(one.von_mises)]
-        listed = ", ".join(map(str, open_ones))
-        return f"; wear has uncovered inclusion {listed}, or one beside it" if open_ones else ""
+        """Return a remark on inclusions that wear has uncovered, or whose lift has not settled."""
+        remark, around = "", self.solved[0][0]
+        if open_ones := [one.inclusion + 1 for one in around if math.isnan(one.von_mises)]:
+            listed = ", ".join(map(str, open_ones))
+            remark += f"; wear has uncovered inclusion {listed}, or one beside it"
+        moving = {
+            one.inclusion + 1: one.above.residual
+            for one in around
+            if one.above and not one.above.is_settled
+        }
+        if moving:
+            remark += (
+                f"; the lift of inclusion {', '.join(map(str, moving))} and the pressure above it "
+                f"do not agree (residual {max(moving.values()):.0e}): it is too large or too close "
+                "to the surface; inclusion.lifts = false leaves the contact as it is"
+            )
+        return remark
 
 
 @dataclass(frozen=True, eq=False)

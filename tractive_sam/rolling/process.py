@@ -109,6 +109,10 @@ class Observer(ABC):
         """Return the memory, bytes, besides stored records; 0 unless overridden."""
         return 0.0
 
+    def applications(self, model: Model) -> float:
+        """Return the work of a record, in elastic responses; 0 unless overridden."""
+        return 0.0
+
     @abstractmethod
     def begin(self, step: Any, model: Model) -> Self:
         """Return the observer as it is after the first step of a process.

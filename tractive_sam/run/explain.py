@@ -311,6 +311,7 @@ def expected_applications(model: Model) -> int:
     # The coarser meshes for the error bars together take about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
     total = meshes * blocks * (contacts + count * bodies * work.stress)
+    total += count * sum(seen.applications(model) for seen in process_of(model).following)
     return round(total + depths * work.plane + count * _fatigue_applications(model))
 
 

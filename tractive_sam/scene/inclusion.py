@@ -27,6 +27,8 @@ from tractive_sam.schema import (
     shorten,
 )
 
+from .checks import is_line
+
 
 def _fill_stiffness(value: Any) -> Any:
     """Return the rows of a stiffness of named constants; missing ones follow from symmetry."""
@@ -136,6 +138,10 @@ class Inclusion(Table):
         min_length=6,
         max_length=6,
     )
+    lifts: bool = entry(
+        "whether its displacement of the surface changes the contact while it passes below",
+        default=False,
+    )
     cells: int = entry(
         "cells across the smallest inclusion of those close to each other", default=11, ge=5, le=63
     )
@@ -193,12 +199,14 @@ class Inclusion(Table):
                 text += "anisotropic"
             else:
                 text += f"E = {one.young:g} MPa" if one.young else "void"
-            yield Row(f"inclusion {k + 1}", text + (", with misfit" if any(one.misfit) else ""))
+            text += ", with misfit" if any(one.misfit) else ""
+            text += "; its lift of the surface changes the contact" if one.lifts else ""
+            yield Row(f"inclusion {k + 1}", text)
         if inclusions:
-            left_out = (
-                "their displacement of the surface, which is recorded, in the gap; plasticity"
-            )
-            yield Row("left out", left_out + ", cracks, and bonds that open")
+            left_out = "plasticity, cracks, and bonds that open"
+            if not all(one.lifts for one in inclusions):
+                left_out = f"displacement of the surface in the gap without lifts; {left_out}"
+            yield Row("left out", left_out)
 
 
 def check_inclusions(entries: ValidEntries) -> Iterator[Fault]:
@@ -207,6 +215,28 @@ def check_inclusions(entries: ValidEntries) -> Iterator[Fault]:
     if inclusions and entries["transient"] is not None and entries["transient"].schedule.shifts:
         yield Fault("inclusion", "with shifts", "bodies that roll: inclusions pass the contact")
     for k, one in enumerate(inclusions):
+        if one.lifts:
+            yield from (
+                Fault(f"inclusion[{k}].lifts", f"true, {reason}", cure)
+                for is_so, reason, cure in (
+                    (
+                        is_line(entries),
+                        "in a line contact",
+                        "false, or a finite radius_y of one body: the lift ends across the track",
+                    ),
+                    (
+                        entries["transient"] is not None,
+                        "with [transient]",
+                        "false, or steady rolling: each contact above inclusions is a steady one",
+                    ),
+                    (
+                        entries["wheel"] is not None,
+                        "with [wheel]",
+                        "false, or radii and a [gap]: the patches of a wheel share their load",
+                    ),
+                )
+                if is_so
+            )
         if not isinstance(entries["body"].responses[one.body], Material):
             cure = "a body of young or shear and poisson, without layers or stiffness"
             yield Fault(f"inclusion[{k}].body", one.body, cure)

@@ -8,6 +8,7 @@ from .fatigue_cycles import cycle_fatigue as cycle_fatigue
 from .fatigue_cycles import fatigue as fatigue
 from .inclusions import InclusionGroup as InclusionGroup
 from .inclusions import InclusionStress as InclusionStress
+from .inclusions import LiftedPass as LiftedPass
 from .inclusions import around_inclusions as around_inclusions
 from .inclusions import inclusion_groups as inclusion_groups
 from .inclusions import inclusion_lift as inclusion_lift

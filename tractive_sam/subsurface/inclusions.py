@@ -11,7 +11,7 @@ with at most the second power of the place, and in a whole space (Eshelby 1961).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import ClassVar
@@ -19,13 +19,13 @@ from typing import ClassVar
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from tractive_sam.contact import Laws
+from tractive_sam.contact import Laws, Model, equilibrium
 from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import Material, Steel, principal_stresses, von_mises
 from tractive_sam.operators import EigenstrainBox, isotropic_stiffness
 from tractive_sam.results import COMPONENTS, PlaneStress, Point, State
 from tractive_sam.scene import Inclusion, Plane
-from tractive_sam.solvers import gmres
+from tractive_sam.solvers import combine_images, gmres
 from tractive_sam.subsurface.fatigue_cycles import LocalSteel
 from tractive_sam.subsurface.sources import SIGNS
 from tractive_sam.subsurface.stress_fields import stress_at, stress_layers, worn_depth
@@ -316,10 +316,12 @@ class InclusionStress(ShortArrays):
     utilisation_at : tuple of float
         Its position (nan, y, depth), mm.
     lift : float
-        Largest displacement of the surface above it that it causes, out of the body, mm.
+        Largest displacement of the surface above it that it causes, in either direction, mm.
     plane : PlaneStress
         Stress around it at the moment of the largest von Mises stress, over the distance from its
         centre along x and the depth below the unworn surface; depths worn off have nan.
+    above : LiftedPass, optional
+        Contacts during the passage, if the lift changes the contact.
 
     Examples
     --------
@@ -338,13 +340,65 @@ class InclusionStress(ShortArrays):
     utilisation_at: Point
     lift: float
     plane: PlaneStress
+    above: LiftedPass | None = None
 
 
-def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[InclusionStress, ...]:
+@dataclass(frozen=True, eq=False)
+class LiftedPass:
+    """Contacts above inclusions whose lift of the surface is part of the gap, by their position.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+        Positions of the middle of the inclusions, descending, mm.
+    contacts : tuple of State
+        The contact at each of them.
+    lifts : ndarray, shape (n, n_x, n_y)
+        Displacement of the surface out of the body, mm.
+    iterations : int
+        Most contacts solved at a position until lift and pressure agree.
+    residual : float
+        Largest change of the lift in the last iteration over the largest lift at its position; inf
+        if a contact is not solved.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 0.5], radii=0.2, young=0.0, cells=7, lifts=True)
+    >>> (around,) = ts.around_inclusions(ts.solve(scene.replace(inclusion=[hole])))
+    >>> bool(around.above.peaks.min() < scene.hertz.p0), around.above.residual < 1e-4
+    (True, True)
+    """
+
+    x: np.ndarray
+    contacts: tuple[State, ...]
+    lifts: np.ndarray
+    iterations: int
+    residual: float
+
+    tolerance: ClassVar[float] = 1e-4
+    """Residual at which the iteration ends."""
+    fields: ClassVar[int] = 400
+    """Fields on the mesh that all contacts take."""
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether lift and pressure agree at all positions."""
+        return self.residual <= self.tolerance
+
+    @property
+    def peaks(self) -> np.ndarray:
+        """Peak pressure at each position, shape (n,), MPa."""
+        return np.array([contact.p_max for contact in self.contacts])
+
+
+def around_inclusions(
+    contact: State, laws: Laws | None = None, model: Model | None = None
+) -> tuple[InclusionStress, ...]:
     """Return the stress around each inclusion of a scene as it passes below a contact.
 
     Inclusions whose centres are farther apart than three times their extent do not disturb each
-    other. If wear has uncovered an inclusion, it and those that it disturbs have nan.
+    other, neither by stress nor by their lift of the surface. If wear has uncovered an inclusion,
+    it and those that it disturbs have nan.
 
     Parameters
     ----------
@@ -352,6 +406,9 @@ def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[Inclusi
         The solved contact of a scene with [[inclusion]].
     laws : Laws, optional
         Laws of the bodies; by default the laws of the solution.
+    model : Model, optional
+        Model of the contact, to solve it again for inclusions whose lift changes it; by default
+        that of its scene, which must have no [gap].
 
     Examples
     --------
@@ -363,14 +420,18 @@ def around_inclusions(contact: State, laws: Laws | None = None) -> tuple[Inclusi
     laws = laws or Laws.of_contact(contact, ("elasticity", "fatigue"))
     results: dict[int, InclusionStress] = {}
     for passing in _passages(contact, laws):
-        results |= passing.results()
+        if passing.lifting.any() and not passing.is_open:
+            solver = model or Model(contact.scene, grid=contact.grid, laws=laws)
+            results |= replace(passing, above=passing.lifted(solver)).results()
+        else:
+            results |= passing.results()
     return tuple(results[k] for k in sorted(results))
 
 
 def inclusion_lift(contact: State, x: float = 0.0, laws: Laws | None = None) -> np.ndarray:
     """Return the displacement of both surfaces by inclusions, out of the bodies, (n_x, n_y), mm.
 
-    It closes the gap: the contact with it is ``solve(scene, wear=-inclusion_lift(contact))``.
+    It closes the gap. With `lifts` of an inclusion, the contact is solved with its lift.
 
     Parameters
     ----------
@@ -384,27 +445,22 @@ def inclusion_lift(contact: State, x: float = 0.0, laws: Laws | None = None) -> 
     Examples
     --------
     >>> hole = ts.Inclusion(at=[0.0, 0.0, 0.5], radii=0.2, young=0.0, cells=7)
-    >>> above = scene.replace(inclusion=[hole])
-    >>> softer = ts.solve(above)
-    >>> for _ in range(2):
-    ...     softer = ts.solve(above, wear=-ts.inclusion_lift(softer))
-    >>> softer.approach > ts.solve(above).approach
+    >>> lift = ts.inclusion_lift(ts.solve(scene.replace(inclusion=[hole])))
+    >>> bool(lift.min() < 0.0)  # the surface above a void yields
     True
     """
     laws, grid = laws or Laws.of_contact(contact, ("elasticity", "fatigue")), contact.grid
     grid = grid.shifted(0.0)  # y of the bodies
-    places = [axis.ravel() for axis in np.meshgrid(grid.x, grid.y, indexing="ij")]
-    lift = np.zeros(places[0].size)
+    lift = np.zeros(grid.elements)
     for passing in _passages(contact, laws):
         _, *middle = (float(at.mean()) for at in passing.group.cells)
         there = replace(passing, only=middle[0] + x)
         if there.is_open:
             continue
         own = there.group.share * np.tensordot(there.solved[1], there.shares[0], (1, 0))
-        for part in np.array_split(np.arange(lift.size), math.ceil(lift.size / 500)):
-            about = places[0][part] - middle[0] - x, places[1][part] - middle[1]
-            lift[part] -= there.group.box.surface_displacement(own, *about)[2]
-    return lift.reshape(grid.elements)
+        places = np.meshgrid(grid.x - middle[0] - x, grid.y - middle[1], indexing="ij")
+        lift += there.group.box.lift(own, *map(np.ravel, places)).reshape(grid.elements)
+    return lift
 
 
 def _passages(contact: State, laws: Laws) -> Iterator[_Passing]:
@@ -455,6 +511,8 @@ class _Passing:
         Depth worn off, mm.
     only : float, optional
         The only position of the inclusions, mm; by default they pass the contact.
+    above : LiftedPass, optional
+        Contacts at some of the positions, if the lift of the inclusions changes the contact.
     """
 
     contact: State
@@ -463,6 +521,7 @@ class _Passing:
     numbers: list[int]
     worn: float
     only: float | None = None
+    above: LiftedPass | None = None
 
     moments: ClassVar[int] = 101
     """Positions of the inclusions below the contact."""
@@ -470,6 +529,8 @@ class _Passing:
     """Part of the loads at all positions that is left out."""
     nodes: ClassVar[int] = 8
     """Depths at which the stress of the contact is computed."""
+    every: ClassVar[int] = 5
+    """Positions of which one is solved with the lift; between, the change is interpolated."""
 
     @cached_property
     def group(self) -> InclusionGroup:
@@ -504,37 +565,101 @@ class _Passing:
         return np.array([1.0] * 4 + [SIGNS[self.body]] * 2)
 
     def loads(self, group: InclusionGroup) -> Iterator[np.ndarray]:
-        """Yield the stress (6, n_z, n_x, n_y) without inclusions in a box, by position.
+        """Yield the stress (6, n_z, n_x, n_y) without inclusions in a box, by position."""
+        course = self.course(self.contact, group)
+        if self.above is None:
+            yield from map(course, self.x)
+            return
+        changes = [
+            self.load_at(place, contact, group) - self.load_at(place, self.contact, group)
+            for place, contact in zip(self.above.x, self.above.contacts, strict=True)
+        ]
+        change = scipy.interpolate.CubicSpline(-self.above.x, changes)
+        for place in self.x:
+            yield course(place) + change(-place)
 
-        Its axes are x, y and the depth.
+    def load_at(self, place: float, contact: State, group: InclusionGroup) -> np.ndarray:
+        """Return the stress (6, n_z, n_x, n_y) below a contact in a box at one position."""
+        return self.course(contact, group, place)(place)
+
+    def course(
+        self, contact: State, group: InclusionGroup, only: float | None = None
+    ) -> Callable[[float], np.ndarray]:
+        """Return the stress (6, n_z, n_x, n_y) below a contact in a box, by its position.
+
+        Its axes are x, y and the depth. With `only`, it is known near this position.
         """
         depth, x, y = group.cells
-        grid = self.contact.grid
+        grid = contact.grid
         y = y - grid.shift
         at_depth, depths = _chebyshev(depth, self.nodes)
         reach = np.abs(self.x - grid.centre[0]).max() + np.ptp(x)
         beyond = max(0, math.ceil((reach - grid.half_length[0]) / grid.dx) + 2)
         along = grid.lengthened(beyond).x
+        near = slice(None)
+        if only is not None:  # the influence of a node on a spline ends within a few nodes
+            margin = 0.5 * np.ptp(x) + 12.0 * grid.dx
+            near = slice(*np.searchsorted(along, [only - margin, only + margin]))
+        along = along[near]
         if grid.y.size > 3 and (y[0] < grid.y[0] or y[-1] > grid.y[-1]):  # outside the mesh
             at_y, rows = _chebyshev(y, self.nodes)
             points = np.stack(np.meshgrid(depths, along, rows, indexing="ij"), axis=-1)
             stress = stress_at(
-                self.contact, points.reshape(-1, 3)[:, [1, 2, 0]], self.body, self.laws, False
+                contact, points.reshape(-1, 3)[:, [1, 2, 0]], self.body, self.laws, False
             )
             values = stress.reshape(*points.shape[:3], 6).transpose(0, 3, 1, 2) @ at_y.T
         else:
-            layers = stress_layers(
-                self.contact, depths, self.body, beyond, 1, self.laws, residual=False
-            )
-            values = np.stack([stress[0] for _, stress in layers])  # depth, component, x, y
+            layers = stress_layers(contact, depths, self.body, beyond, 1, self.laws, residual=False)
+            # Depth, component, x, y.
+            values = np.stack([stress[0][:, near] for _, stress in layers])
             if grid.y.size > 3:
                 values = scipy.interpolate.CubicSpline(grid.y, values, axis=3)(y)
             else:  # a line contact
                 values = np.repeat(values[..., :1], y.size, axis=3)
         values = np.tensordot(at_depth, values, 1) * self.signs[:, None, None]
-        course = scipy.interpolate.CubicSpline(along, values, axis=2)
-        for place in self.x:
-            yield course(place + x - x.mean()).swapaxes(0, 1)
+        spline = scipy.interpolate.CubicSpline(along, values, axis=2)
+        return lambda place: spline(place + x - x.mean()).swapaxes(0, 1)
+
+    @property
+    def lifting(self) -> np.ndarray:
+        """Share in each cell, (n_z, n_x, n_y), of the inclusions whose lift changes the contact."""
+        pairs = zip(self.group.inclusions, self.group.shares, strict=True)
+        return sum((one.lifts * share for one, share in pairs), np.zeros(self.group.box.shape))
+
+    def lifted(self, model: Model, most: int = 40) -> LiftedPass:
+        """Return the contacts above the lifted surface: lift and pressure are solved in turn.
+
+        Each contact is that of steady rolling at a position of the inclusions. It begins with the
+        lift below the undisturbed contact; lifts are combined so that they change least (Anderson
+        1965, J. ACM 12, 547-560).
+
+        Parameters
+        ----------
+        model : Model
+            Model of the contact.
+        most : int
+            Most contacts at a position.
+        """
+        response, x = _LiftResponse(self), self.x[:: self.every]
+        contact = self.contact
+        contacts, lifts, iterations, residual = list[State](), list[np.ndarray](), 0, 0.0
+        for place in x:
+            images, changes = list[np.ndarray](), list[np.ndarray]()
+            lift = response.on_mesh(self.load_at(place, self.contact, self.group), place)
+            while len(images) < most:
+                contact = equilibrium(model, self.contact.wear - lift, contact)
+                image = response.on_mesh(self.load_at(place, contact, self.group), place)
+                images, changes = [*images, image], [*changes, image - lift]
+                largest = max(np.abs(image).max(), 1e-9 * model.units.gap)
+                missed = float(np.abs(changes[-1]).max() / largest)
+                if not contact.converged or missed <= LiftedPass.tolerance:
+                    break
+                lift = combine_images(images[-6:], changes[-6:])
+            iterations = max(iterations, len(images))
+            residual = max(residual, missed if contact.converged else math.inf)
+            contacts.append(contact)
+            lifts.append(lift)
+        return LiftedPass(x, tuple(contacts), np.array(lifts), iterations, residual)
 
     def constant(self, group: InclusionGroup) -> np.ndarray:
         """Return the residual stress (6, n_z, n_x, n_y) in the cells of a box."""
@@ -649,11 +774,8 @@ class _Passing:
                 about = number, self.body, math.nan, nowhere, math.nan, math.nan, nowhere, math.nan
                 found[number] = InclusionStress(*about, self.section(k, None))
             return found
-        above = [
-            self.group.box.surface_displacement(self.group.share * own, *np.zeros((2, 1)))
-            for own in self.solved[1].swapaxes(0, 1)
-        ]
-        lift = float(np.max(self.shares @ -np.array(above)[:, 2, 0]))
+        own = self.group.share * self.solved[1]
+        lift = float(np.abs(self.shares @ self.group.box.lift(own, *np.zeros((2, 1)))).max())
         for k, number in enumerate(self.numbers):
             cycle, points = self.near(k)
             mises = von_mises(cycle)
@@ -671,7 +793,7 @@ class _Passing:
             )
             found[number] = InclusionStress(
                 number, self.body, float(mises.max()), (x + moved, y, depth), float(tension),
-                float(used[top]), place, lift, self.section(k, int(moment)),
+                float(used[top]), place, lift, self.section(k, int(moment)), self.above,
             )  # fmt: skip
         return found
 
@@ -689,3 +811,78 @@ class _Passing:
         local = LocalSteel(None, limit, k, common, varies, has_factor=False)
         value, _ = local.evaluate(law, cycle)
         return np.maximum(value, 0.0) / limit
+
+
+class _LiftResponse:
+    """Lift of the surface by the inclusions of a passage, as a linear function of their load.
+
+    It begins with the few loads of the undisturbed passage; the part of a load that the known ones
+    do not contain is added to them. The lift of each is known on a table around the inclusions,
+    which becomes coarser with the distance.
+
+    Parameters
+    ----------
+    passing : _Passing
+        The passage below the undisturbed contact.
+    spacing : float
+        Spacing of the table over the distance from the inclusions.
+    """
+
+    def __init__(self, passing: _Passing, spacing: float = 0.15) -> None:
+        self._passing, group = passing, passing.group
+        grid = passing.contact.grid.shifted(0.0)  # y of the bodies
+        depth, x, y = group.cells
+        self._middle = float(x.mean()), float(y.mean())
+        # The lift has waves about as long as the inclusions are deep.
+        deep = max(float(depth[0] - 0.5 * group.box.sides[0]), 0.25 * float(depth[-1]))
+        far = np.abs(passing.x - grid.centre[0]).max() + grid.half_length[0]
+        aside = np.abs(grid.y - self._middle[1]).max()
+        self._axes = (
+            _graded_places(0.5 * float(np.ptp(x)), far, deep, spacing),
+            _graded_places(0.5 * float(np.ptp(y)), aside, deep, spacing),
+        )
+        few = np.tensordot(passing.combine(group), group.stiffness, (1, 1))[:-1]
+        loads = np.moveaxis(few, -1, 1)[..., group.owner >= 0].reshape(len(few), -1)
+        sizes = np.linalg.norm(loads, axis=1)
+        self._loads, self._largest = list(loads / sizes[:, None]), sizes.max()
+        *tables, self._constant = self._lift(passing.solved[1])
+        self._tables = [table / size for table, size in zip(tables, sizes, strict=True)]
+
+    def _lift(self, eigenstrain: np.ndarray) -> np.ndarray:
+        """Return the lift (n, x, y) on the table by eigenstrains (6, n, n_z, n_x, n_y)."""
+        x, y = np.meshgrid(*self._axes, indexing="ij")
+        own = self._passing.lifting * eigenstrain
+        return self._passing.group.box.lift(own, x.ravel(), y.ravel()).reshape(-1, *x.shape)
+
+    def on_mesh(self, load: np.ndarray, place: float) -> np.ndarray:
+        """Return the lift on the mesh (n_x, n_y), mm, by a load (6, n_z, n_x, n_y) at a position.
+
+        The part of the load that is left out is that of `_Passing.tolerance`.
+        """
+        group, grid = self._passing.group, self._passing.contact.grid.shifted(0.0)
+        inside = group.owner >= 0
+        rest, total = load[:, inside].ravel(), self._constant.copy()
+        for known, table in zip(self._loads, self._tables, strict=True):
+            share = known @ rest
+            rest = rest - share * known
+            total += share * table
+        if (size := float(np.linalg.norm(rest))) > self._passing.tolerance * self._largest:
+            strain = np.zeros_like(load)
+            strain[:, inside] = np.linalg.solve(group.stiffness, rest.reshape(6, -1) / size)
+            _, own = group.solve(strain)
+            self._loads.append(rest / size)
+            self._tables.append(self._lift(own[:, None])[0])
+            total += size * self._tables[-1]
+        spline = scipy.interpolate.RectBivariateSpline(*self._axes, total)
+        return spline(grid.x - place, grid.y - self._middle[1])
+
+
+def _graded_places(half: float, far: float, deep: float, spacing: float) -> np.ndarray:
+    """Return places from -far to far, denser up to the distance `half` from 0.
+
+    Their spacing is a part of the distance from inclusions within `half`, `deep` below the surface.
+    """
+    places = [0.0]
+    while places[-1] < far:
+        places.append(places[-1] + spacing * math.hypot(deep, max(places[-1] - half, 0.0)))
+    return np.array([*(-place for place in places[:0:-1]), *places])
