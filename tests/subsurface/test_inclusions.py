@@ -13,7 +13,7 @@ from tractive_sam.run.explain import expected_applications
 from tractive_sam.run.memory import scene_bytes
 from tractive_sam.studies import cases
 from tractive_sam.subsurface import InclusionGroup, around_inclusions
-from tractive_sam.subsurface.inclusions import surface_points
+from tractive_sam.subsurface.inclusion_group import surface_points
 
 SHEAR, NU = 80e3, 0.3
 STIFFNESS = isotropic_stiffness(SHEAR, NU)
@@ -290,7 +290,7 @@ def test_a_void_lowers_the_pressure_above_it_and_a_rigid_inclusion_raises_it(coa
         scene = lifting(young)
         (around,) = around_inclusions(replace(coarse, scene=scene))
         above, middle = around.above, len(around.above.x) // 2
-        assert above.is_settled
+        assert above.residual <= above.tolerance
         peaks[young] = above.peaks[middle]
         assert above.peaks[0] == pytest.approx(coarse.p_max, rel=3e-3)  # not yet below the contact
         # The lift in the gap is the lift by the pressure of this contact.

@@ -232,7 +232,7 @@ class AroundInclusions(_ContactObserver):
         moving = {
             one.inclusion + 1: one.above.residual
             for one in around
-            if one.above and not one.above.is_settled
+            if one.above and one.above.residual > LiftedPass.tolerance
         }
         if moving:
             remark += (

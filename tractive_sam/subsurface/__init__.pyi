@@ -6,11 +6,11 @@ from .fatigue_cycles import course_fatigue as course_fatigue
 from .fatigue_cycles import cycle_depths as cycle_depths
 from .fatigue_cycles import cycle_fatigue as cycle_fatigue
 from .fatigue_cycles import fatigue as fatigue
-from .inclusions import InclusionGroup as InclusionGroup
+from .inclusion_group import InclusionGroup as InclusionGroup
+from .inclusion_group import inclusion_groups as inclusion_groups
 from .inclusions import InclusionStress as InclusionStress
 from .inclusions import LiftedPass as LiftedPass
 from .inclusions import around_inclusions as around_inclusions
-from .inclusions import inclusion_groups as inclusion_groups
 from .inclusions import inclusion_lift as inclusion_lift
 from .layered import with_interfaces as with_interfaces
 from .stress_fields import Maximum as Maximum
