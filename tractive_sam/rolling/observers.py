@@ -64,6 +64,7 @@ from tractive_sam.subsurface import (
     cycle_fatigue,
     displacement,
     elastic_energy,
+    inclusion_groups,
     maxima_by_body,
     semi_axes,
     stress_on_planes,
