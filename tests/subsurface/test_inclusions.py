@@ -284,6 +284,7 @@ def coarse():
     return ts.solve(lifting(208e3))
 
 
+@pytest.mark.slow
 def test_a_void_lowers_the_pressure_above_it_and_a_rigid_inclusion_raises_it(coarse):
     peaks = {}
     for young in (0.0, 1e8):
@@ -308,6 +309,7 @@ def test_the_constants_of_the_body_lift_nothing(coarse):
     assert around.above.iterations == 1
 
 
+@pytest.mark.slow
 def test_a_small_lift_changes_the_pressure_in_proportion(coarse):
     changes = []
     for factor in (1.0, 2.0):
