@@ -5,8 +5,11 @@ import pytest
 
 import tractive_sam as ts
 from tests.fitting.conftest import CREEPAGES, creep_data
-from tractive_sam.fitting import FitError
-from tractive_sam.fitting.run import _has_heights, make_problem, read_design
+from tractive_sam.fitting import FitError, explain_fit
+from tractive_sam.fitting.data import read_measured
+from tractive_sam.fitting.design import Data
+from tractive_sam.fitting.problem import _describe_heights
+from tractive_sam.fitting.run import make_problem, read_design
 from tractive_sam.schema import PlausibilityWarning
 
 PLACES = [0.7, 1.5, 3.3]
@@ -71,14 +74,32 @@ def test_every_row_is_checked_as_a_scene_is(spheres):
     assert len(problem.series[0].notes) == 1
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_opposite_signs_of_model_and_data_are_named(spheres, sign):
-    data = creep_data(spheres, {"friction.mu": 0.35}, factors=sign, noise={"absolute": 0.02})
-    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
-    found = ts.fit(design | {"curve": 0})
-    named = [note for note in found.notes if "opposite signs" in note]
-    assert len(named) == (sign < 0.0)
-    assert all("Qx_over_P" in note and "creepage.longitudinal" in note for note in named)
+def test_signs_that_friction_forbids_are_refused_before_the_search(spheres):
+    """Forces along the creepage of A: `explain` and `fit` name the cure, which is what works."""
+    data = creep_data(spheres, {"friction.mu": 0.35}, factors=-1.0, noise={"absolute": 0.02})
+    table = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    for ask in (ts.fit, lambda fit: explain_fit(ts.FitDesign(fit=fit))):
+        with pytest.raises(
+            FitError, match=r"wrong sign.* \"creepage.longitudinal\" = \"-"
+        ) as caught:
+            ask(table)
+        assert caught.value.faults[0].key == "fit.data[0].columns"
+    data["columns"] = {"creepage.longitudinal": "-creepage.longitudinal"}
+    creepages = problem_of(table).series[0].measured.abscissa[1]
+    np.testing.assert_array_equal(creepages, np.negative(CREEPAGES))
+    problem_of(table | {"scene": spheres.replace(**{"creepage.spin": 0.1})})  # spin may decide
+
+
+@pytest.mark.parametrize("worn", [1.0, -1.0])
+def test_losses_of_mass_are_positive(discs, worn):
+    columns = {"revolution": [1000, 3000], "worn_mass": [1.0 * worn, 3.0 * worn]}
+    data = {"values": columns, "vary": "revolution", "observe": "worn_mass", "body": "A"}
+    table = {"scene": discs, "free": ["wear.coefficient.A"], "data": [data | {"noise": 0.05}]}
+    if worn > 0.0:
+        explain_fit(ts.FitDesign(fit=table))
+    else:
+        with pytest.raises(FitError, match="above 0"):
+            explain_fit(ts.FitDesign(fit=table))
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.02, -0.02])
@@ -87,8 +108,47 @@ def test_traces_of_heights_are_recognised(slope, width):
     """A groove that ends within the trace or beyond it, on a tilted specimen."""
     y = np.linspace(-2.0, 2.0, 101)
     depth = 0.01 * np.sqrt(np.maximum(1.0 - (y / width) ** 2, 0.0)) + slope * y + 0.3
-    assert not _has_heights(y, depth)
-    assert _has_heights(y[::-1], -depth[::-1])
+    data = {"values": {"y": y, "depth": depth}, "observe": "wear_profile", "body": "A"}
+    data["noise"] = {"absolute": 1e-3}
+    assert not [*_describe_heights("", read_measured(Data(**data), ""))]
+    data["columns"] = {"depth": "-depth"}
+    assert [*_describe_heights("", read_measured(Data(**data), ""))]
+
+
+HEADERS = {
+    "by name": ("revolution;worn_mass", {}),
+    "with the body": ("revolution;worn_mass A", {}),
+    "with a unit": ("Revolution;worn mass A [mg]", {}),
+    "beside the other body": ("revolution;worn_mass_A;worn_mass_B", {}),
+    "by columns": ("N;loss", {"revolution": "N", "worn_mass": "loss"}),
+    "with the sign reversed": ("revolution;change", {"worn_mass": "-change"}),
+}
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_columns_are_found_by_their_words(tmp_path, header):
+    names, columns = HEADERS[header]
+    sign, more = (-1 if "-change" in columns.values() else 1), names.count(";") - 1
+    rows = [f"{n};{sign * n / 1000:g}" + ";7" * more for n in (1000, 2000)]
+    file = tmp_path / "weighings.csv"
+    file.write_text("\n".join([names, *rows]))
+    table = {"file": str(file), "vary": "revolution", "observe": "worn_mass", "noise": 0.05}
+    data = Data(**table, body="A", columns=columns)
+    measured = read_measured(data, "fit.data[0]", [Data(**table, body="B")] * more)
+    np.testing.assert_array_equal(measured.observed[:, 0], [1.0, 2.0])
+    np.testing.assert_array_equal(measured.places, [1000.0, 2000.0])
+
+
+def test_columns_that_are_not_found_are_named_with_their_file(tmp_path):
+    file = tmp_path / "weighings.csv"
+    data = Data(file=str(file), vary="revolution", observe="worn_mass", body="A", noise=0.05)
+    for names in ("revolution;loss", "revolution;worn_mass_A;Worn mass", "revolution;worn_mass B"):
+        file.write_text(f"{names}\n" + ";".join("123"[: names.count(";") + 1]))
+        with pytest.raises(
+            FitError, match=r"weighings.csv: .*columns = \{ \"worn_mass\""
+        ) as caught:
+            read_measured(data, "fit.data[0]")
+        assert caught.value.faults[0].key == "fit.data[0].file"
 
 
 def test_creep_curves_of_a_scene_that_wears_are_those_of_unworn_bodies(discs):

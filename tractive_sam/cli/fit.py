@@ -74,21 +74,20 @@ def fit(
     note = f"{output} holds the computations so far; repeat the command to resume from them"
     with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
         began = printed = monotonic()
-        iterations = 0
+        step = "first values"
 
         def report(done: Evaluations) -> None:
-            nonlocal printed, iterations
+            nonlocal printed, step
             contacts, rolls, _ = done.cost
-            now, left = monotonic(), done.seconds_left()
-            text = f"{contacts} contacts, {rolls} rolls, {format_duration(now - began)}"
+            now, left, before = monotonic(), done.seconds_left(), step
             if done.searched:
-                chi2 = done.searched[-1][1]
-                text = f"iteration {len(done.searched)}, chi-square {chi2:.4g}, {text}"
+                step = f"iteration {len(done.searched)}, chi-square {done.searched[-1][1]:.4g}"
+            step = done.part or step
+            text = f"{step}, {contacts} contacts, {rolls} rolls, {format_duration(now - began)}"
             if left >= 1.0:
                 text += f"; search: about {format_duration(left)} left"
-            is_due = len(done.searched) > iterations or now - printed > 60.0
-            if is_due:
-                printed, iterations = now, len(done.searched)
+            is_due = step != before or now - printed > 60.0
+            printed = now if is_due else printed
             # The number of iterations is unknown until chi-square falls regularly.
             share = (now - began) / (now - began + left) if left >= 0.0 else 0.0
             update(share, text, text if is_due else "")

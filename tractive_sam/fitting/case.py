@@ -434,6 +434,8 @@ class Evaluations:
         Time, s, and chi-square of each iteration of the search, priors included.
     share : float
         Share of the cases of the last call of `answers` that are known, 0 to 1.
+    part : str
+        What is computed after the search; "" before.
     """
 
     compute: Compute
@@ -443,6 +445,7 @@ class Evaluations:
     progress: Callable[["Evaluations"], None] | None = None
     searched: list[tuple[float, float]] = field(default_factory=list)
     share: float = 0.0
+    part: str = ""
     _saved: float = field(default_factory=monotonic)
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
@@ -474,8 +477,16 @@ class Evaluations:
         )
         return contacts, rolls, sum(answer.convolutions for answer in answers)
 
+    def begin(self, part: str) -> None:
+        """Begin a part after the search, and report progress."""
+        self.part = part
+        if self.progress is not None:
+            self.progress(self)
+
     def add_iteration(self, chi2: float) -> None:
         """Store the chi-square of an iteration of the search, and report progress."""
+        if self.part:
+            return
         self.searched.append((monotonic(), chi2))
         if self.progress is not None:
             self.progress(self)
@@ -485,7 +496,7 @@ class Evaluations:
 
         Chi-square is assumed to fall by equal factors from now on; nan while this is unknown.
         """
-        if len(self.searched) < 3:
+        if len(self.searched) < 3 or self.part:
             return math.nan
         times, chi2 = np.transpose(self.searched[-3:])
         before, last = -np.diff(chi2)

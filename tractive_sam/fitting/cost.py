@@ -11,6 +11,7 @@ from tractive_sam.fitting.optimum import OptimumDesign, prepare_search
 from tractive_sam.fitting.problem import Series, groups_of
 from tractive_sam.fitting.response import Response, label_of
 from tractive_sam.fitting.run import read_all
+from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.studies import estimate_times
 
 
@@ -36,12 +37,14 @@ def explain_fit(design: FitDesign) -> Description:
     fit = design.fit
     parameters, cases, data_sets = Parameters.of(fit), dict[str, FitCase](), []
     values = parameters.values_by_key(np.ones(len(parameters)))
-    for k, measured in enumerate(read_all(fit)):
-        series = Series.of(f"fit.data[{k}]", measured, fit.scene, parameters, None)
+    for k, (name, measured) in enumerate(zip(fit.names, read_all(fit), strict=True)):
+        series = Series.of(f"fit.data[{k}]", name, measured, fit.scene, parameters, None)
+        for note in series.notes:
+            warn(note, PlausibilityWarning)
         scenes = [series.scene_at(values, settings) for _, settings in groups_of(measured)]
         cases |= {scene.fingerprint(): FitCase(scene, series.columns) for scene in scenes}
         kind = "contacts" if is_steady(scenes[0]) else "runs"
-        data_sets.append((measured.data.name or series.key, _describe_data(measured, kind)))
+        data_sets.append((name, _describe_data(measured, kind)))
     exact = (
         exact_columns(case.scene, case.columns, fit.free) if case.is_steady else {}
         for case in cases.values()

@@ -1,6 +1,7 @@
 """Measured values of the data sets, read and checked, and their standard deviations."""
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import log
@@ -152,38 +153,40 @@ def read_measured(data: Data, key: str, others: Sequence[Data] = ()) -> Measured
         If columns are missing, have other than finite numbers, or give no noise.
     """
     source = f"{key}.{'file' if data.values is None else 'values'}"
+    where = f"{Path(data.file).name}: " if data.file else ""
     numbers, faults = {}, []
     try:
-        columns = _table_of(data, key)
+        columns = _table_of(data)
+        sharing = [data, *(one for one in others if data.file and one.file == data.file)]
+        wanted = {(name, one.body) for one in sharing for name in _find_columns(one).values()}
+        read = {_locate(columns, *column) for column in wanted}
         for name, column in _find_columns(data).items():
-            place = columns.find(column)
+            place = _locate(columns, column, data.body)
             if place is None:
-                hint = suggest_name(name, columns.labels)
-                faults.append(Fault(source, f"no column {shorten(column)}", hint))
+                names = f'{suggest_name(column, columns.labels)}; columns = {{ "{name}" = "..." }}'
+                cure = f'{names} names one, and "-..." one of opposite sign'
+                faults.append(Fault(source, f"{where}no column {shorten(column)}", cure))
                 continue
             try:
-                numbers[name] = values = columns.column(place, _meaning(data, name))
+                values = columns.column(place, _meaning(data, name))
             except TextError as error:
-                faults.append(Fault(source, error.value, error.allowed))
+                faults.append(Fault(source, f"{where}{error.value}", error.allowed))
                 continue
+            numbers[name] = -values if column.startswith("-") else values
             sizes = np.sort(np.abs(values))
             if find_marks(values).any() or (len(sizes) > 2 and sizes[-1] > 1e3 * sizes[-2] > 0.0):
                 row = int(np.argmax(np.abs(values)))
                 text = f"{name} = {values[row]:g} in line {columns.lines[row]}"
-                warn(f"{source}: {text}, far from the other values: remove such rows")
+                warn(f"{where or source}{text}, far from the other values: remove such rows")
     except TextError as error:
-        faults.append(Fault(source, error.value, error.allowed))
+        faults.append(Fault(source, f"{where}{error.value}", error.allowed))
     except OSError as error:
         reason = f"a readable file ({error.strerror})"
         faults.append(Fault(source, shorten(data.file), reason))
     if faults:
         raise FitError(faults)
-    sharing = [data, *(one for one in others if data.file and one.file == data.file)]
-    read = {column for one in sharing for column in _find_columns(one).values()}
-    pairs = zip(columns.labels, columns.names, strict=True)
-    if unused := [label for label, name in pairs if not {label, name} & read]:
-        where = Path(data.file or "values").name
-        warn(f"fit.data: columns of {where} that are not read: {list_first(unused, 5)}")
+    if unused := [label for k, label in enumerate(columns.labels) if k not in read]:
+        warn(f"{where or source + ': '}columns that are not read: {list_first(unused, 5)}")
     return _measured(data, key, numbers)
 
 
@@ -194,12 +197,33 @@ def _find_columns(data: Data) -> dict[str, str]:
     return {name: data.columns.get(name, name) for name in names}
 
 
-def _table_of(data: Data, key: str) -> TextTable:
+def _locate(table: TextTable, column: str, body: str | None) -> int | None:
+    """Return the index of a column by its name, else by its words, which may name the body, too.
+
+    A minus sign before the name is left out: it reverses the sign of the values.
+    """
+
+    def words_of(text: str) -> str:
+        return re.sub(r"[\W_]+", "", text).casefold()
+
+    column = column.removeprefix("-")
+    if (place := table.find(column)) is not None:
+        return place
+    wanted = {words_of(column), words_of(f"{column} {body or ''}")}
+    pairs = zip(table.labels, table.names, strict=True)
+    found = [k for k, pair in enumerate(pairs) if wanted & {*map(words_of, pair)}]
+    if len(found) > 1:
+        names = ", ".join(table.labels[k] for k in found)
+        raise TextError(f"columns {names} for {column}", f'columns = {{ "{column}" = "..." }}')
+    return found[0] if found else None
+
+
+def _table_of(data: Data) -> TextTable:
     """Return the columns of a data set; TextError if they lack names or differ in length."""
     if data.values is None:
         table = read_table(str(data.file), named=True)
         if note := table.find_unused(table.units):
-            warn(f"{key}: {Path(str(data.file)).name}: {note}")
+            warn(f"{Path(str(data.file)).name}: {note}")
         return table
     columns = equal_columns(data.values)
     rows = [[*map(str, row)] for row in np.column_stack([*columns.values()]).tolist()]

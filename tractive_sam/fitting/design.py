@@ -535,6 +535,16 @@ class Fit(Table):
         _check_mesh,
     )
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the data sets in messages, tables and figures, each once."""
+        keys = [f"fit.data[{k}]" for k in range(len(self.data))]
+        names = [data.name or key for data, key in zip(self.data, keys, strict=True)]
+        return tuple(
+            f"{name} ({key})" if names.count(name) > 1 else name
+            for name, key in zip(names, keys, strict=True)
+        )
+
     def settings_of(self, key: str) -> Parameter:
         """Return the [[fit.parameter]] table of a free key; its default if there is none."""
         return next((table for table in self.parameter if table.key == key), Parameter(key=key))

@@ -42,7 +42,7 @@ def fit_figures(result: FitResult) -> Iterator[Drawing]:
     for number in np.unique(series):
         for name in map(str, dict.fromkeys(names[series == number])):
             rows = np.flatnonzero((series == number) & (names == name))
-            label = result.design.fit.data[number].name or f"data set {number}"
+            label = result.design.fit.names[number]
             caption = f"{label}: measured {name} with one standard deviation, and the model."
             title = "\n".join(filter(None, (result.title, label)))
             file = f"data{number}-{name.replace(' ', '-')}"

@@ -196,7 +196,7 @@ def parameter_variables(best: Estimate, intervals: Intervals, shift: np.ndarray)
                      "derivative of the prediction by ln(value), or value over its scale"),
     }  # fmt: skip
     places = [
-        (f"{series.key} {name}", number)
+        (f"{series.name} {name}", number)
         for series, place in zip(best.problem.series, best.problem.positions, strict=True)
         if series.measured.data.profile
         for name, number in series.position.values(best.u[place]).items()
@@ -217,7 +217,7 @@ def _coordinate_names(problem: FitProblem) -> list[str]:
     names = list(problem.parameters.keys)
     for series in problem.series:
         if series.measured.data.profile:
-            names += [f"{series.key} {name}" for name in series.measured.data.nuisance]
+            names += [f"{series.name} {name}" for name in series.measured.data.nuisance]
     return names
 
 

@@ -137,8 +137,8 @@ class Series:
 
     Attributes
     ----------
-    key : str
-        Key of the data set in messages.
+    name : str
+        Name of the data set in messages.
     measured : Measured
         The measurements.
     base : Scene
@@ -155,7 +155,7 @@ class Series:
         Doubts about the rows, and what the data set leaves open.
     """
 
-    key: str
+    name: str
     measured: Measured
     base: Scene
     columns: tuple[str, ...]
@@ -168,6 +168,7 @@ class Series:
     def of(
         cls,
         key: str,
+        name: str,
         measured: Measured,
         scene: Scene,
         start: Parameters,
@@ -178,8 +179,8 @@ class Series:
 
         Parameters
         ----------
-        key : str
-            Key of the data set in messages.
+        key, name : str
+            Key of the data set in faults, and its name in notes.
         measured : Measured
             The measurements.
         scene : Scene
@@ -202,17 +203,18 @@ class Series:
         try:
             base = scene.replace(**data.set) if data.set else scene
             is_creep_curve = _is_creep_curve(data, base, columns)
-            bare = cls(key, measured, base, columns, (), {}, data.at == 0.0 or is_creep_curve)
+            bare = cls(name, measured, base, columns, (), {}, data.at == 0.0 or is_creep_curve)
             scenes = {}  # faults, before anything is rolled
             source = next((name for name in data.vary if name in COORDINATES), "at")
             for rows, settings in groups_of(measured):
                 scenes[rows] = bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
                 places = [float(measured.places[row]) for row in rows]
                 check_places(scenes[rows], source, places)
-            notes = [*_implausible_rows(key, scene, scenes)]
+            _check_signs(measured, scenes)
+            notes = [*_implausible_rows(name, scene, scenes), *_describe_heights(name, measured)]
             if is_creep_curve:
                 cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
-                notes.append(f"{key}: compared with the unworn bodies, revolution 0; {cure}")
+                notes.append(f"{name}: compared with the unworn bodies, revolution 0; {cure}")
             groups, exact = [], {}
             for rows, settings in groups_of(measured):
                 first, *neighbours = bare._scenes_near(start, settings)
@@ -327,15 +329,66 @@ def _is_creep_curve(data: Data, scene: Scene, columns: Iterable[str]) -> bool:
     return all(quantity.applies(unworn) and quantity.of is not None for quantity in wanted)
 
 
+def _check_signs(measured: Measured, scenes: Mapping[tuple[int, ...], Scene]) -> None:
+    """Raise a SceneError if nearly all measured values have a sign that friction or wear forbids.
+
+    Friction dissipates: a force on A is opposite to the creepage of its direction if there is no
+    other. Worn masses and volumes are positive.
+    """
+    forces = {"Qx": "longitudinal", "Qx_over_P": "longitudinal",
+              "Qy": "lateral", "Qy_over_P": "lateral"}  # fmt: skip
+    for k, name in enumerate(measured.data.observe):
+        signs = np.zeros(len(measured.observed))
+        for rows, scene in scenes.items():
+            slip = forces.get(name)
+            signs[list(rows)] = float(name in ("worn_mass", "worn_volume", "wear_max"))
+            if slip and _has_only_creepage(scene, slip):
+                signs[list(rows)] = -np.sign(getattr(scene.creepage, slip) or 0.0)
+        observed = measured.observed[:, k]
+        noise = measured.noise.deviation(observed, observed)[:, k]
+        signs *= np.sign(observed) * (np.abs(observed) > 2.0 * noise)
+        if (wrong := int((signs < 0.0).sum())) > 0.8 * np.count_nonzero(signs):
+            slip = forces.get(name)
+            rule = f"creepage.{slip} < 0 drives A, {name} > 0" if slip else "values above 0"
+            columns = [*({f"creepage.{slip}"} & {*measured.data.vary}), name]
+            cure = f'{rule}; columns = {{ "{columns[0]}" = "-..." }} reverses the sign of a column'
+            raise SceneError([Fault("columns", f"{name} of the wrong sign in {wrong} rows", cure)])
+
+
+def _has_only_creepage(scene: Scene, name: str) -> bool:
+    """Return whether a creepage alone makes half-spaces without relaxation slip, at all times."""
+    others = {"longitudinal", "lateral", "spin"} - {name}
+    slip, bodies = scene.creepage, (scene.body.A, scene.body.B)
+    special = scene.wheel or scene.conformal or scene.transient or scene.duty
+    is_plain = not special and not any(body.relaxation for body in bodies)
+    return slip is not None and is_plain and not any(getattr(slip, one) for one in others)
+
+
+def _describe_heights(name: str, measured: Measured) -> Iterator[str]:
+    """Yield a note if a trace lies below the line between its ends: depths lie above it."""
+    if not measured.data.profile:
+        return
+    order = np.argsort(measured.y)
+    y, depth = measured.y[order], measured.observed[order, 0]
+    ends = max(1, y.size // 10)
+    places = np.concatenate((y[:ends], y[-ends:]))
+    line = np.polyfit(places, np.concatenate((depth[:ends], depth[-ends:])), 1)
+    above = depth - np.polyval(line, y)
+    if above.sum() < -0.5 * np.abs(above).sum():
+        text = "the track lies above the ends of the trace, as in a file of heights"
+        cure = "depth is positive into the body"
+        yield f'{name}: {text}: {cure}; columns = {{ depth = "-..." }} reverses the sign'
+
+
 def _implausible_rows(
-    key: str, scene: Scene, scenes: Mapping[tuple[int, ...], Scene]
+    name: str, scene: Scene, scenes: Mapping[tuple[int, ...], Scene]
 ) -> Iterator[str]:
     """Yield a note for each key with improbable values in rows, unless the scene has it, too.
 
     Parameters
     ----------
-    key : str
-        Key of the data set in messages.
+    name : str
+        Name of the data set.
     scene : Scene
         Scene of the fit.
     scenes : mapping of tuple of int to Scene
@@ -349,7 +402,7 @@ def _implausible_rows(
             if note not in known:
                 found.setdefault(note.partition(":")[0], []).extend((row, note) for row in rows)
     for notes in found.values():
-        yield f"{key}: {len(notes)} of {total} rows, as row {notes[0][0] + 1}: {notes[0][1]}"
+        yield f"{name}: {len(notes)} of {total} rows, as row {notes[0][0] + 1}: {notes[0][1]}"
 
 
 def groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:

@@ -308,8 +308,7 @@ class FitResult:
         expected = "" if math.isnan(low) else f", expected {low:.3g} to {high:.3g}"
         rows["chi-square"] = f"{self.chi2:.4g} of {self.points} points{expected}"
         if len(self.data_chi2) > 1:
-            names = [d.name or f"data set {k}" for k, d in enumerate(self.design.fit.data)]
-            parts = zip(names, self.data_chi2, strict=True)
+            parts = zip(self.design.fit.names, self.data_chi2, strict=True)
             rows["by data set"] = ", ".join(f"{name} {c:.3g} of {n}" for name, (c, n) in parts)
         rows["model error"] = _describe_model_error(self.dataset)
         rows["cost"] = f"{self.solves} contacts, {self.rolls} rolls"

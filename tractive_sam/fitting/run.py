@@ -23,6 +23,7 @@ from tractive_sam.fitting.design import (
     FitError,
     Noise,
     Parameters,
+    base_of,
 )
 from tractive_sam.fitting.estimate import Estimate, ProfileLikelihood, Search
 from tractive_sam.fitting.fit_file import (
@@ -89,7 +90,8 @@ def check_tests(fit: Fit, start: Parameters) -> None:
     for k, test in enumerate(fit.test):
         for _, measured in _measured_tests(test):
             try:
-                Series.of(f"fit.test[{k}]", measured, fit.scene, start, None)
+                key = f"fit.test[{k}]"
+                Series.of(key, key, measured, fit.scene, start, None)
             except FitError as error:
                 faults += error.faults
     if faults:
@@ -129,7 +131,7 @@ def _describe_observation(test: CandidateTest) -> str:
 
 def _problem_of(problem: FitProblem, key: str, measured: Measured, fit: Fit) -> FitProblem:
     """Return a problem with the same parameters that has only this data set."""
-    series = Series.of(key, measured, fit.scene, problem.parameters, problem.evaluations)
+    series = Series.of(key, key, measured, fit.scene, problem.parameters, problem.evaluations)
     return replace(problem, series=(series,))
 
 
@@ -161,10 +163,7 @@ def curve_variables(best: Estimate, fit: Fit) -> Variables:
             shape), np.empty(0),
         )  # fmt: skip
         try:
-            curve = Series.of(
-                series.key, measured, fit.scene, best.problem.parameters, best.problem.evaluations
-            )
-            problem = replace(best.problem, series=(curve,))
+            problem = _problem_of(best.problem, series.name, measured, fit)
             predicted = problem.predict(best.u[:n], derivatives=True)
             slopes = problem.jacobian(best.u[:n])
         except FitError:  # a value between the measured ones that cannot be computed
@@ -221,7 +220,7 @@ def describe_undetermined(best: Estimate, intervals: Intervals) -> list[str]:
         if not keys:
             texts.append("the position of a profile is not determined")
         elif len(keys) == 1:
-            cure = _suggest_data(best, int(involved[0]))
+            cure = _suggest_data(keys)
             texts.append(f"{keys[0]} is not determined at the estimate: {cure}")
         elif len(keys) == 2 and parameters.logarithmic[involved].all():
             texts.append(f"only {_product(keys, row[involved])} is determined")
@@ -277,17 +276,6 @@ def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
     return [row / np.linalg.norm(row) for row in rows]
 
 
-def _has_heights(y: np.ndarray, depth: np.ndarray) -> bool:
-    """Return whether a trace over y lies below the line between its ends: depths lie above it."""
-    order = np.argsort(y)
-    y, depth = y[order], depth[order]
-    ends = max(1, y.size // 10)
-    places = np.concatenate((y[:ends], y[-ends:]))
-    line = np.polyfit(places, np.concatenate((depth[:ends], depth[-ends:])), 1)
-    above = depth - np.polyval(line, y)
-    return bool(above.sum() < -0.5 * np.abs(above).sum())
-
-
 def _opposite_signs(best: Estimate) -> Iterator[str]:
     """Yield a note for each data set whose model has the opposite sign in nearly all rows."""
     first = 0
@@ -295,11 +283,6 @@ def _opposite_signs(best: Estimate) -> Iterator[str]:
         rows = slice(first, first + series.measured.points)
         first = rows.stop
         if series.measured.data.profile:
-            y, depth = series.measured.y, series.measured.observed[:, 0]
-            if _has_heights(y, depth):
-                text = "the track lies above the ends of the trace, as in a file of heights"
-                cure = "reverse the sign of depth, which is positive into the body"
-                yield f"{series.key}: {text}; {cure}"
             continue
         signs = np.sign(best.problem.observed[rows] * best.predicted[rows])
         opposite = int((signs < 0.0).sum())
@@ -307,7 +290,7 @@ def _opposite_signs(best: Estimate) -> Iterator[str]:
             text = f"model and data have opposite signs in {opposite} of {signs.size} values"
             columns = " or of ".join([*series.columns, *series.measured.data.vary])
             cure = f"reverse the sign of {columns} in the data: creepage.longitudinal < 0 drives A"
-            yield f"{series.key}: {text}; {cure}"
+            yield f"{series.name}: {text}; {cure}"
 
 
 def _describe_bounds(best: Estimate, intervals: Intervals, level: float) -> Iterator[str]:
@@ -327,22 +310,44 @@ def _describe_bounds(best: Estimate, intervals: Intervals, level: float) -> Iter
                 data.append(f"at its {name} bound, {bound:g}; widen it unless it is a limit")
         if data:
             yield f"{key} is {'; '.join(reversed(data))}"
-        if low > 0.0 and 10.0 * low < high < math.inf:
-            factor = f"its {level:.0%} interval spans a factor of {high / low:.2g}"
-            yield f"{key} is hardly determined: {factor}; {_suggest_data(best, k)}"
 
 
-def _suggest_data(best: Estimate, k: int) -> str:
-    """Return what would determine a parameter that the data hardly determine, as text."""
-    correlation = np.abs(np.nan_to_num(np.delete(best.correlation[k], k)))
-    tests = "[[fit.test]] with --design ranks such tests"
-    if not correlation.size or correlation.max() < 0.9:
-        return f"add measurements that depend more on it, or reduce the noise; {tests}"
-    partner = np.delete(best.problem.parameters.keys, k)[correlation.argmax()]
-    return (
-        f"its effect is similar to that of {partner} (correlation {correlation.max():.2f}): fix "
-        f"one of them or give it a prior, or add measurements in which they differ; {tests}"
-    )
+def _describe_spans(best: Estimate, intervals: Intervals, level: float) -> Iterator[str]:
+    """Yield a note for each parameter, or pair of similar effect, with a wide interval."""
+    keys, correlation = best.problem.parameters.keys, np.nan_to_num(best.correlation)
+    np.fill_diagonal(correlation, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spans = np.where(intervals.low > 0.0, intervals.high / intervals.low, math.nan)
+    is_wide = (spans > 3.0) & np.isfinite(spans)
+    noted: set[int] = set()
+    for k in np.flatnonzero(is_wide).tolist():
+        other = int(np.abs(correlation[k]).argmax())
+        similar = abs(correlation[k, other]) >= 0.9
+        if k in noted or not (similar or spans[k] > 10.0):
+            continue
+        pair = [k, other] if similar and is_wide[other] else [k]
+        noted.update(pair)
+        names = " and ".join(keys[one] for one in pair)
+        factors = " and ".join(f"{spans[one]:.2g}" for one in pair)
+        text = f"{names} hardly determined: {level:.0%} intervals span factors of {factors}"
+        cure = _suggest_data([keys[one] for one in pair])
+        if similar:
+            text += f"; {keys[k]} and {keys[other]} have similar effects"
+            text += f" (correlation {correlation[k, other]:.2f})"
+            cure = f"fix one of them, give it a prior, or {cure}"
+        yield f"{text}: {cure}"
+
+
+def _suggest_data(keys: Sequence[str]) -> str:
+    """Return what would determine parameters that the data hardly determine, as text."""
+    fast, full_slip = "sliding speeds above friction.half_speed", "creepages of full slip"
+    data_for = {
+        "friction.kinetic": fast, "friction.half_speed": fast, "friction.layer": "small creepages",
+        "friction.mu": full_slip, "friction.static": full_slip,
+    }  # fmt: skip
+    at = " and ".join(dict.fromkeys(data_for[key] for key in map(base_of, keys) if key in data_for))
+    where = f"at {at}" if at else "that depend more on it" if len(keys) == 1 else "that differ"
+    return f"add measurements {where}; [[fit.test]] with --design ranks such tests"
 
 
 def list_notes(best: Estimate, table: Fit, intervals: Intervals) -> list[str]:
@@ -361,6 +366,7 @@ def list_notes(best: Estimate, table: Fit, intervals: Intervals) -> list[str]:
         text = "as many parameters as points: chi-square says nothing about the model"
         notes.append(text + (", and the scatter nothing about the noise" * table.scatter))
     notes += _describe_bounds(best, intervals, table.level)
+    notes += _describe_spans(best, intervals, table.level)
     if messages := best.problem.failures:
         notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")
     return notes
@@ -470,8 +476,8 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
 
     def prepared() -> tuple[Series, ...]:
         return tuple(
-            Series.of(f"fit.data[{k}]", table_of_data, table.scene, parameters, done, shared)
-            for k, table_of_data in enumerate(measured)
+            Series.of(f"fit.data[{k}]", name, one, table.scene, parameters, done, shared)
+            for k, (name, one) in enumerate(zip(table.names, measured, strict=True))
         )
 
     prepared()
@@ -545,11 +551,14 @@ def find_intervals(best: Estimate, table: Fit) -> Intervals:
     A parameter that is not determined at the estimate may be bounded by the data on one side.
     """
     low, high, sd = best.interval(table.level)
+    begin = best.problem.evaluations.begin
     for k in find_undetermined(best):
+        begin(f"interval of {table.free[k]}")
         low[k], high[k] = ProfileLikelihood(best, table, k).bounds()
     curves = []
     if table.intervals == "profile":
         for k in np.flatnonzero(np.isfinite(sd)).tolist():
+            begin(f"interval of {table.free[k]}, {k + 1} of {len(sd)}")
             low[k], high[k], curve = ProfileLikelihood(best, table, k).interval()
             curves.append(np.column_stack([np.full(len(curve), k), curve]))
     return Intervals(low, high, sd, tuple(curves))
@@ -562,10 +571,12 @@ def _complete(
     table, problem = document.fit, best.problem
     n = len(problem.parameters)
     intervals, shift = find_intervals(best, table), np.full(n, np.nan)
+    problem.evaluations.begin("finer mesh")
     finer = problem.predict_finer(best.u) if table.mesh_check else None
     if finer is not None and np.isfinite(finer).all():
         moved = problem.parameters.values((best.u + best.shift(finer - best.predicted))[:n])
         shift = moved - problem.parameters.values(best.u)
+    problem.evaluations.begin("figures" + " and next tests" * next_test)
     gains = rank_tests(best, table) if next_test else []
     texts = {
         "undetermined": describe_undetermined(best, intervals),

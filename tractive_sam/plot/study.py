@@ -504,15 +504,15 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
     upper.fill_between(x, model - reach, model + reach, color=LOOK.blue, alpha=0.2, linewidth=0,
                        label="model, 95 %")  # fmt: skip
     many = places.size > 40
-    size = 2.0 if many else 4.0
+    size = 1.5 if many else 2.5  # error bars of 2 % are as long
     upper.plot(x, model, color=LOOK.blue, zorder=3 if many else 2, label="model")
-    upper.errorbar(places, points, curve.noise, fmt="s", color=LOOK.vermillion,
-                   markersize=size, elinewidth=0.8, capsize=2, label="measured")  # fmt: skip
+    upper.errorbar(places, points, curve.noise, fmt="o", color=LOOK.vermillion, markersize=size,
+                   elinewidth=0.8, capsize=0 if many else 2, label="measured")  # fmt: skip
     upper.set_ylabel(curve.observed.label)
     upper.legend()
     lower.axhspan(-1.96, 1.96, color=LOOK.grey, alpha=0.15, linewidth=0)
     lower.axhline(0.0, color=LOOK.grey, linewidth=0.8)
-    lower.plot(places, curve.residual, "s", color=LOOK.vermillion, markersize=size)
+    lower.plot(places, curve.residual, "o", color=LOOK.vermillion, markersize=size)
     limit = max(2.5, 1.2 * np.abs(curve.residual).max())
     lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-limit, limit))
     if _spans_decades(places):
