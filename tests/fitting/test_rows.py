@@ -6,9 +6,8 @@ import pytest
 import tractive_sam as ts
 from tests.fitting.conftest import CREEPAGES, creep_data
 from tractive_sam.fitting import FitError, explain_fit
-from tractive_sam.fitting.data import read_measured
+from tractive_sam.fitting.data import list_doubts, read_measured
 from tractive_sam.fitting.design import Data
-from tractive_sam.fitting.problem import _describe_heights
 from tractive_sam.fitting.run import make_problem, read_design
 from tractive_sam.schema import PlausibilityWarning
 
@@ -110,9 +109,9 @@ def test_traces_of_heights_are_recognised(slope, width):
     depth = 0.01 * np.sqrt(np.maximum(1.0 - (y / width) ** 2, 0.0)) + slope * y + 0.3
     data = {"values": {"y": y, "depth": depth}, "observe": "wear_profile", "body": "A"}
     data["noise"] = {"absolute": 1e-3}
-    assert not [*_describe_heights("", read_measured(Data(**data), ""))]
+    assert not [*list_doubts("", read_measured(Data(**data), ""))]
     data["columns"] = {"depth": "-depth"}
-    assert [*_describe_heights("", read_measured(Data(**data), ""))]
+    assert [*list_doubts("", read_measured(Data(**data), ""))]
 
 
 HEADERS = {

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import log
 from pathlib import Path
@@ -13,7 +13,7 @@ import numpy as np
 from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Noise
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Fault, shorten, suggest_name, warn
+from tractive_sam.schema import Fault, SceneError, shorten, suggest_name, warn
 from tractive_sam.text_table import (
     TextError,
     TextTable,
@@ -133,6 +133,75 @@ class Measured:
             is_place = key in COORDINATES
             return key, self.places if is_place else np.array([s[key] for s in self.settings])
         return "row", np.arange(len(self.observed), dtype=float)
+
+
+def check_signs(measured: Measured, scenes: Mapping[tuple[int, ...], Scene]) -> None:
+    """Raise a SceneError if nearly all measured values have a sign that friction or wear forbids.
+
+    Friction dissipates: a force on A is opposite to the creepage of its direction if there is no
+    other. Worn masses and volumes are positive.
+    """
+    forces = {"Qx": "longitudinal", "Qx_over_P": "longitudinal",
+              "Qy": "lateral", "Qy_over_P": "lateral"}  # fmt: skip
+    wears = ("worn_mass", "worn_volume", "wear_max")
+    for k, name in enumerate(measured.data.observe):
+        signs = np.zeros(len(measured.observed))
+        for rows, scene in scenes.items():
+            slip = forces.get(name)
+            signs[list(rows)] = float(name in wears)
+            if slip and _has_only_creepage(scene, slip):
+                signs[list(rows)] = -np.sign(getattr(scene.creepage, slip) or 0.0)
+        observed = measured.observed[:, k]
+        noise = measured.noise.deviation(observed, observed)[:, k]
+        if len(observed) > 2 and name in wears and "revolution" in measured.data.vary:
+            order = np.argsort(measured.places)
+            if (np.diff(observed[order]) < 0.0).all():
+                cure = "what is worn off, that is the first weighing less the later ones"
+                raise SceneError([Fault("columns", f"{name} that falls with the revolution", cure)])
+        signs *= np.sign(observed) * (np.abs(observed) > 2.0 * noise)
+        if (wrong := int((signs < 0.0).sum())) > 0.8 * np.count_nonzero(signs):
+            slip = forces.get(name)
+            rule = f"creepage.{slip} < 0 drives A, {name} > 0" if slip else "values above 0"
+            columns = [*({f"creepage.{slip}"} & {*measured.data.vary}), name]
+            cure = f'{rule}; columns = {{ "{columns[0]}" = "-..." }} reverses the sign of a column'
+            raise SceneError([Fault("columns", f"{name} of the wrong sign in {wrong} rows", cure)])
+
+
+def _has_only_creepage(scene: Scene, name: str) -> bool:
+    """Return whether a creepage alone makes half-spaces without relaxation slip, at all times."""
+    others = {"longitudinal", "lateral", "spin"} - {name}
+    slip, bodies = scene.creepage, (scene.body.A, scene.body.B)
+    special = scene.wheel or scene.conformal or scene.transient or scene.duty
+    is_plain = not special and not any(body.relaxation for body in bodies)
+    return slip is not None and is_plain and not any(getattr(slip, one) for one in others)
+
+
+def list_doubts(name: str, measured: Measured) -> Iterator[str]:
+    """Yield notes on values of a data set that are improbable whatever the scene is."""
+    observed, noise = measured.observed, measured.noise
+    profile, columns = measured.data.profile, ", ".join(measured.data.observe)
+    sizes = np.abs(observed - observed.mean()) if profile else np.abs(observed)
+    if (noise.deviation(observed, observed) > sizes.max()).all():
+        yield f"{name}: the noise is larger than all values of {columns}: check its unit"
+    for k, column in enumerate(measured.data.observe):
+        if column in ("Qx_over_P", "Qy_over_P") and np.median(np.abs(observed[:, k])) > 2.0:
+            cure = f'observe = "{column[:2]}" reads a force, in N'
+            yield f"{name}: {column} of {np.abs(observed[:, k]).max():g} exceeds friction; {cure}"
+    if not profile:
+        return
+    order = np.argsort(measured.y)
+    y, depth = measured.y[order], observed[order, 0]
+    ends = max(1, y.size // 10)
+    places = np.concatenate((y[:ends], y[-ends:]))
+    line = np.polyfit(places, np.concatenate((depth[:ends], depth[-ends:])), 1)
+    above = depth - np.polyval(line, y)
+    if above.sum() < -0.5 * np.abs(above).sum():
+        text = "the track lies above the ends of the trace, as in a file of heights"
+        cure = "depth is positive into the body"
+        yield f'{name}: {text}: {cure}; columns = {{ depth = "-..." }} reverses the sign'
+    if np.ptp(above) > 0.1 * np.ptp(y):
+        text = f"depths of {np.ptp(above):.3g} mm on a trace of {np.ptp(y):.3g} mm"
+        yield f"{name}: {text}: state the units in the header, depth [um] for example"
 
 
 def read_measured(data: Data, key: str, others: Sequence[Data] = ()) -> Measured:

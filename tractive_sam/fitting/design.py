@@ -243,7 +243,7 @@ def _check_place(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Observation(Table):
-    """Keys that data sets and candidate tests share: observed columns, body, record, settings."""
+    """Keys that data sets and candidate tests share: columns, body, record, settings, noise."""
 
     observe: Names = entry(
         "columns of a record that are observed", "a name, or a list of names", min_length=1
@@ -255,6 +255,12 @@ class Observation(Table):
     set: Changes = entry(
         "entries of the scene for this test", "a table of dotted keys", default_factory=dict
     )
+    noise: Positive | Noise = entry("standard deviation of measured values", _NOISE)
+
+    @property
+    def uncertainty(self) -> Noise:
+        """Noise as a table; a number becomes the relative noise."""
+        return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
 
 
 class Data(Observation):
@@ -276,7 +282,6 @@ class Data(Observation):
         "a dotted key, or a list of them",
         (),
     )
-    noise: Positive | Noise = entry("standard deviation of measured values", _NOISE)
     nuisance: Annotated[
         tuple[Literal["offset", "tilt", "level"], ...], BeforeValidator(_as_tuple)
     ] = entry(
@@ -306,11 +311,6 @@ class Data(Observation):
     def profile(self) -> bool:
         """Whether the data set observes a profile over y."""
         return is_profile(self.observe[0])
-
-    @property
-    def uncertainty(self) -> Noise:
-        """Noise as a table; a number becomes the relative noise."""
-        return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
 
 
 def _check_bounds(entries: ValidEntries) -> Iterator[Fault]:
@@ -388,13 +388,7 @@ class CandidateTest(Observation):
 
     vary: str | None = optional("the entry that differs", "a dotted key")
     values: Numbers | None = optional("its values", "a list of numbers")
-    noise: Positive | Noise = entry("standard deviation of the measurement", _NOISE)
     checks: ClassVar[tuple[Check, ...]] = (_check_test,)
-
-    @property
-    def uncertainty(self) -> Noise:
-        """Noise as a table; a number becomes the relative noise."""
-        return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
 
 
 class FitError(SceneError):
@@ -538,12 +532,10 @@ class Fit(Table):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the data sets in messages, tables and figures, each once."""
-        keys = [f"fit.data[{k}]" for k in range(len(self.data))]
-        names = [data.name or key for data, key in zip(self.data, keys, strict=True)]
-        return tuple(
-            f"{name} ({key})" if names.count(name) > 1 else name
-            for name, key in zip(names, keys, strict=True)
-        )
+        names = [data.name for data in self.data]
+        keys = {k: f"fit.data[{k}]" for k in range(len(names))}
+        return tuple(f"{n} ({keys[k]})" if n and names.count(n) > 1 else n or keys[k]
+                     for k, n in enumerate(names))  # fmt: skip
 
     def settings_of(self, key: str) -> Parameter:
         """Return the [[fit.parameter]] table of a free key; its default if there is none."""

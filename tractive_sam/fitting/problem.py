@@ -26,7 +26,7 @@ from tractive_sam.fitting.case import (
     on_finer_mesh,
     scale_steps,
 )
-from tractive_sam.fitting.data import Measured, NoiseModel
+from tractive_sam.fitting.data import Measured, NoiseModel, check_signs, list_doubts
 from tractive_sam.fitting.design import (
     COORDINATES,
     Data,
@@ -210,8 +210,8 @@ class Series:
                 scenes[rows] = bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
                 places = [float(measured.places[row]) for row in rows]
                 check_places(scenes[rows], source, places)
-            _check_signs(measured, scenes)
-            notes = [*_implausible_rows(name, scene, scenes), *_describe_heights(name, measured)]
+            check_signs(measured, scenes)
+            notes = [*_implausible_rows(name, scene, scenes), *list_doubts(name, measured)]
             if is_creep_curve:
                 cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
                 notes.append(f"{name}: compared with the unworn bodies, revolution 0; {cure}")
@@ -327,57 +327,6 @@ def _is_creep_curve(data: Data, scene: Scene, columns: Iterable[str]) -> bool:
     unworn, quantities = scene.replace(wear=None), index_by_name(COLUMNS)
     wanted = [quantities[name.partition(" ")[0]] for name in columns]
     return all(quantity.applies(unworn) and quantity.of is not None for quantity in wanted)
-
-
-def _check_signs(measured: Measured, scenes: Mapping[tuple[int, ...], Scene]) -> None:
-    """Raise a SceneError if nearly all measured values have a sign that friction or wear forbids.
-
-    Friction dissipates: a force on A is opposite to the creepage of its direction if there is no
-    other. Worn masses and volumes are positive.
-    """
-    forces = {"Qx": "longitudinal", "Qx_over_P": "longitudinal",
-              "Qy": "lateral", "Qy_over_P": "lateral"}  # fmt: skip
-    for k, name in enumerate(measured.data.observe):
-        signs = np.zeros(len(measured.observed))
-        for rows, scene in scenes.items():
-            slip = forces.get(name)
-            signs[list(rows)] = float(name in ("worn_mass", "worn_volume", "wear_max"))
-            if slip and _has_only_creepage(scene, slip):
-                signs[list(rows)] = -np.sign(getattr(scene.creepage, slip) or 0.0)
-        observed = measured.observed[:, k]
-        noise = measured.noise.deviation(observed, observed)[:, k]
-        signs *= np.sign(observed) * (np.abs(observed) > 2.0 * noise)
-        if (wrong := int((signs < 0.0).sum())) > 0.8 * np.count_nonzero(signs):
-            slip = forces.get(name)
-            rule = f"creepage.{slip} < 0 drives A, {name} > 0" if slip else "values above 0"
-            columns = [*({f"creepage.{slip}"} & {*measured.data.vary}), name]
-            cure = f'{rule}; columns = {{ "{columns[0]}" = "-..." }} reverses the sign of a column'
-            raise SceneError([Fault("columns", f"{name} of the wrong sign in {wrong} rows", cure)])
-
-
-def _has_only_creepage(scene: Scene, name: str) -> bool:
-    """Return whether a creepage alone makes half-spaces without relaxation slip, at all times."""
-    others = {"longitudinal", "lateral", "spin"} - {name}
-    slip, bodies = scene.creepage, (scene.body.A, scene.body.B)
-    special = scene.wheel or scene.conformal or scene.transient or scene.duty
-    is_plain = not special and not any(body.relaxation for body in bodies)
-    return slip is not None and is_plain and not any(getattr(slip, one) for one in others)
-
-
-def _describe_heights(name: str, measured: Measured) -> Iterator[str]:
-    """Yield a note if a trace lies below the line between its ends: depths lie above it."""
-    if not measured.data.profile:
-        return
-    order = np.argsort(measured.y)
-    y, depth = measured.y[order], measured.observed[order, 0]
-    ends = max(1, y.size // 10)
-    places = np.concatenate((y[:ends], y[-ends:]))
-    line = np.polyfit(places, np.concatenate((depth[:ends], depth[-ends:])), 1)
-    above = depth - np.polyval(line, y)
-    if above.sum() < -0.5 * np.abs(above).sum():
-        text = "the track lies above the ends of the trace, as in a file of heights"
-        cure = "depth is positive into the body"
-        yield f'{name}: {text}: {cure}; columns = {{ depth = "-..." }} reverses the sign'
 
 
 def _implausible_rows(
