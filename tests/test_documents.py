@@ -123,7 +123,6 @@ def test_a_file_without_results_names_the_command_that_computes_them(command, fi
     [
         (["--units", "si-mm"], "units"),
         (["--block", "0"], "blocks"),
-        (["--no-title"], "titles"),
         (["--animate"], "animate"),
     ],
 )
@@ -131,6 +130,14 @@ def test_options_of_results_files_are_refused_for_others(file, option, name, cal
     refused = call("plot", file, *option)
     assert refused.exit_code == 2
     assert name in refused.stderr
+
+
+def test_figures_of_a_fit_have_no_titles_on_request(tmp_path, call):
+    sizes = set()
+    for option in ("--title", "--no-title"):
+        assert call("plot", "fit.nc", option, "--format", "pdf", "-o", str(tmp_path)).exit_code == 0
+        sizes.add(sum(path.stat().st_size for path in tmp_path.glob("*.pdf")))
+    assert len(sizes) == 2
 
 
 def test_rows_of_a_study_are_printed_as_csv(call):

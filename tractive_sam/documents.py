@@ -118,6 +118,7 @@ class Document(ABC, Generic[Content]):
         *,
         dpi: int | None = None,
         width: float | None = None,
+        titles: bool = True,
         **options: Any,
     ) -> list[Path]:
         """Draw the figures that apply into a folder, which is created; return their paths.
@@ -134,6 +135,8 @@ class Document(ABC, Generic[Content]):
             Dots per inch of PNG.
         width : float, optional
             Width of every figure, mm.
+        titles : bool
+            Whether figures have titles.
         **options
             Options of figures of results files, see `plot.save_all`.
 
@@ -143,7 +146,9 @@ class Document(ABC, Generic[Content]):
             If there is nothing to draw, or for an option that this kind of file does not have.
         """
         self._refuse_options(options)
-        return plot.save_drawings(self.drawings(), folder, format, dpi=dpi, width=width)
+        return plot.save_drawings(
+            self.drawings(), folder, format, dpi=dpi, width=width, titles=titles
+        )
 
     def save_page(self, path: str | PathLike[str], **options: Any) -> Path:
         """Write an HTML page that needs no other file and no network; return its path.

@@ -26,6 +26,7 @@ _SCALES = {
     "n/m": (1e-3, "N/mm"), "kn/m": (1.0, "N/mm"), "n mm": (1.0, "N mm"), "nmm": (1.0, "N mm"),
     "n m": (1e3, "N mm"), "mpa": (1.0, "MPa"), "gpa": (1e3, "MPa"), "pa": (1e-6, "MPa"),
     "kpa": (1e-3, "MPa"), "bar": (0.1, "MPa"), "1/mm": (1.0, "1/mm"), "1/m": (1e-3, "1/mm"),
+    "km": (1e6, "mm"),
     "mm/s": (1.0, "mm/s"), "m/s": (1e3, "mm/s"), "km/h": (1e3 / 3.6, "mm/s"), "-": (1.0, "1"),
     "1": (1.0, "1"), "%": (1e-2, "1"), "‰": (1e-3, "1"), "deg": (1.0, "degrees"),
     "°": (1.0, "degrees"), "degrees": (1.0, "degrees"), "°c": (1.0, "degC"), "degc": (1.0, "degC"),
@@ -309,6 +310,8 @@ class TextTable:
         label = self.labels[column] if self.labels else ""
         place = f"line {self.lines[i]}, {cell!r}" + (f" in column {label}" if label else "")
         allowed = "a finite number in every cell"
+        if "." in cell and self.decimal == ",":
+            allowed += ", with a decimal comma as in other cells, and no separators of thousands"
         if re.fullmatch(r"[-+]?\d{1,3}([,.]\d{3})+([,.]\d*)?", cell):
             allowed += ", without separators of thousands"
         raise TextError(list_first([place] * len(wrong), 1), allowed)
@@ -678,7 +681,9 @@ def _find_header(
         cells = len(_split(above[-1].text, separator))
         if cells > 1:
             value = f"line {above[-1].line}, {above[-1].text.strip()[:40]!r}, of {cells} cells"
-            raise TextError(value, f"a header of {width} cells, as many as in the rows")
+            cure = "; semicolons or tabs between columns if commas are decimal signs"
+            allowed = f"a header of {width} cells, as many as in the rows"
+            raise TextError(value, allowed + cure * (separator == ","))
     header, used = read_header(notes)
     is_named = any(unit or len(name) == 1 or "." in name for _, name, unit in header)
     return (header, used) if is_named else ([], [])

@@ -1,12 +1,14 @@
 """Rows of data sets: exact places of records, improbable settings, signs, and unworn bodies."""
 
+import re
+
 import numpy as np
 import pytest
 
 import tractive_sam as ts
 from tests.fitting.conftest import CREEPAGES, creep_data
 from tractive_sam.fitting import FitError, explain_fit
-from tractive_sam.fitting.data import list_doubts, read_measured
+from tractive_sam.fitting.data import describe_improbable, read_measured
 from tractive_sam.fitting.design import Data
 from tractive_sam.fitting.run import make_problem, read_design
 from tractive_sam.schema import PlausibilityWarning
@@ -89,15 +91,15 @@ def test_signs_that_friction_forbids_are_refused_before_the_search(spheres):
     problem_of(table | {"scene": spheres.replace(**{"creepage.spin": 0.1})})  # spin may decide
 
 
-@pytest.mark.parametrize("worn", [1.0, -1.0])
-def test_losses_of_mass_are_positive(discs, worn):
-    columns = {"revolution": [1000, 3000], "worn_mass": [1.0 * worn, 3.0 * worn]}
+@pytest.mark.parametrize("masses", [[1.0, 2.0, 3.0], [-1.0, -2.0, -3.0], [3.0, 2.0, 1.0]])
+def test_losses_of_mass_are_positive_and_grow(discs, masses):
+    columns = {"revolution": [1000, 2000, 3000], "worn_mass": masses}
     data = {"values": columns, "vary": "revolution", "observe": "worn_mass", "body": "A"}
     table = {"scene": discs, "free": ["wear.coefficient.A"], "data": [data | {"noise": 0.05}]}
-    if worn > 0.0:
+    if masses[0] == 1.0:
         explain_fit(ts.FitDesign(fit=table))
     else:
-        with pytest.raises(FitError, match="above 0"):
+        with pytest.raises(FitError, match=r"worn_mass (of the wrong sign|that falls)"):
             explain_fit(ts.FitDesign(fit=table))
 
 
@@ -109,9 +111,33 @@ def test_traces_of_heights_are_recognised(slope, width):
     depth = 0.01 * np.sqrt(np.maximum(1.0 - (y / width) ** 2, 0.0)) + slope * y + 0.3
     data = {"values": {"y": y, "depth": depth}, "observe": "wear_profile", "body": "A"}
     data["noise"] = {"absolute": 1e-3}
-    assert not [*list_doubts("", read_measured(Data(**data), ""))]
+    assert not [*describe_improbable("", read_measured(Data(**data), ""))]
     data["columns"] = {"depth": "-depth"}
-    assert [*list_doubts("", read_measured(Data(**data), ""))]
+    assert [*describe_improbable("", read_measured(Data(**data), ""))]
+
+
+IMPROBABLE = {
+    "a force as a ratio": ({"observe": "Qx_over_P"}, [300.0, 310.0], "exceeds friction"),
+    "a noise in per cent": ({"observe": "Qx_over_P", "noise": 2}, [0.2, 0.3], "noise is larger"),
+    "micrometres": ({"observe": "wear_profile", "body": "A"}, [0.0, 3.0, 0.0], "depth .um."),
+    "a noise in micrometres": (
+        {"observe": "wear_profile", "body": "A", "noise": {"absolute": 0.1}}, [0.0, 0.003, 0.0],
+        "noise is larger",
+    ),
+    "nothing": ({"observe": "Qx_over_P"}, [0.3, 0.31], ""),
+    "no groove": ({"observe": "wear_profile", "body": "A"}, [0.0, 0.003, 0.0], ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", IMPROBABLE)
+def test_values_of_improbable_size_are_doubted(case):
+    table, values, note = IMPROBABLE[case]
+    columns = {"depth": values, "y": [-1.5, 0.0, 1.5]}
+    columns = columns if len(values) == 3 else {table["observe"]: values}
+    data = Data(**({"noise": {"absolute": 1e-4}} | table), values=columns)
+    notes = [*describe_improbable("a.csv", read_measured(data, ""))]
+    assert len(notes) == bool(note)
+    assert all(re.search(note, one) for one in notes)
 
 
 HEADERS = {

@@ -14,6 +14,10 @@ from tractive_sam.schema import PlausibilityWarning
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None)
 
 
+FALLING = [
+    "friction={law='rational', static=0.4, kinetic=0.2, half_speed=50}",
+    "creepage.speed=1e3",
+]
 SMALL = [f"body.{body}.radius_x=0.03" for body in "AB"]
 
 
@@ -38,6 +42,7 @@ SMALL = [f"body.{body}.radius_x=0.03" for body in "AB"]
         ([*SMALL, "load.pressure=300"], r"body\.A\.radius_x"),
         (["body.B.young=2.1e8"], r"body\.B: E"),
         (["creepage.speed=1.2"], r"creepage\.speed: 1.2 mm/s"),
+        ([*FALLING, "friction.half_speed=0.1"], r"friction\.half_speed: 0.1 mm/s"),
         (["body.A.width=0.1"], r"describe a crown by \[gap\]"),
     ],
 )

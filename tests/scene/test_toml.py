@@ -238,3 +238,14 @@ def test_settings_may_correct_a_file_that_does_not_exist():
     corrected = Scene.from_tables(tables, ["wheel.profile=S1002"])
     assert corrected == Scene.builtin("wheel-rail")
     assert Scene.from_tables(tables, ["title=a", "wheel.profile=S1002"]).title == "a"
+
+
+def test_equal_coefficients_are_written_as_one_number():
+    """Pairs that one number may give, but not sizes of a mesh; the scene is the same."""
+    scene = Scene.builtin("spheres").replace(
+        **{"grid.elements": (17, 17), "friction.mu": (0.3, 0.3)},
+        wear={"coefficient": (1e-5, 2e-5), "revolutions": 10},
+    )
+    lines = scene.to_toml().split("\n")
+    assert {"mu = 0.3", "elements = [17, 17]", "coefficient = [1e-05, 2e-05]"} <= {*lines}
+    assert Scene.from_toml_text(scene.to_toml()) == scene

@@ -500,8 +500,8 @@ class Evaluations:
             return math.nan
         times, chi2 = np.transpose(self.searched[-3:])
         before, last = -np.diff(chi2)
-        if last <= small:
-            return 0.0
+        if last <= small or before <= 0.0:  # the standard deviations have changed
+            return 0.0 if last <= small else math.nan
         ratio = last / before if before > last else 0.9
         return float(math.log(small / last) / math.log(ratio) * 0.5 * (times[-1] - times[0]))
 

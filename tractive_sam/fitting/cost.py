@@ -11,6 +11,7 @@ from tractive_sam.fitting.optimum import OptimumDesign, prepare_search
 from tractive_sam.fitting.problem import Series, groups_of
 from tractive_sam.fitting.response import Response, label_of
 from tractive_sam.fitting.run import read_all
+from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.studies import estimate_times
 
@@ -83,7 +84,15 @@ def _describe_data(measured: Measured, kind: str) -> str:
     data = measured.data
     body = f" of body {data.body}" if data.body else ""
     along = f" over {', '.join(data.vary)}" if data.vary else ""
-    return f"{measured.points} values of {', '.join(data.observe)}{body}{along}, from {kind}"
+    ranges = ", ".join(map(_describe_range, data.observe, measured.observed.T))
+    return f"{measured.points} values of {ranges}{body}{along}, from {kind}"
+
+
+def _describe_range(name: str, values: np.ndarray) -> str:
+    """Describe a measured column by its range in the unit of the package."""
+    unit = index_by_name(COLUMNS)[name].unit
+    unit = "" if unit == "1" else f" {unit}"
+    return f"{name} from {values.min():.4g} to {values.max():.4g}{unit}"
 
 
 def explain_spread(design: SpreadDesign) -> Description:

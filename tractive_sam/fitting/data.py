@@ -176,12 +176,12 @@ def _has_only_creepage(scene: Scene, name: str) -> bool:
     return slip is not None and is_plain and not any(getattr(slip, one) for one in others)
 
 
-def list_doubts(name: str, measured: Measured) -> Iterator[str]:
+def describe_improbable(name: str, measured: Measured) -> Iterator[str]:
     """Yield notes on values of a data set that are improbable whatever the scene is."""
     observed, noise = measured.observed, measured.noise
     profile, columns = measured.data.profile, ", ".join(measured.data.observe)
-    sizes = np.abs(observed - observed.mean()) if profile else np.abs(observed)
-    if (noise.deviation(observed, observed) > sizes.max()).all():
+    sizes = np.ptp(observed) if profile else np.abs(observed)
+    if (noise.deviation(observed, observed) > sizes).all():
         yield f"{name}: the noise is larger than all values of {columns}: check its unit"
     for k, column in enumerate(measured.data.observe):
         if column in ("Qx_over_P", "Qy_over_P") and np.median(np.abs(observed[:, k])) > 2.0:

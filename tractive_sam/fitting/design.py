@@ -190,8 +190,8 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
     observable = ((), ("y",), ("body",))
     table = index_by_name(COLUMNS)
     if name not in table:
-        names = dict.fromkeys(quantity.name for quantity in COLUMNS if quantity.dims in observable)
-        yield Fault("observe", shorten(name), suggest_name(name, [*names]))
+        names = {one.name: one.long_name for one in COLUMNS if one.dims in observable}
+        yield Fault("observe", shorten(name), suggest_name(name, names, names))
     elif table[name].dims == ("body",) and body is None:
         yield Fault("body", f"nothing, and observe = {shorten(name)}", '"A" or "B"')
     elif table[name].dims not in observable:

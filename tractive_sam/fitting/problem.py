@@ -26,7 +26,7 @@ from tractive_sam.fitting.case import (
     on_finer_mesh,
     scale_steps,
 )
-from tractive_sam.fitting.data import Measured, NoiseModel, check_signs, list_doubts
+from tractive_sam.fitting.data import Measured, NoiseModel, check_signs, describe_improbable
 from tractive_sam.fitting.design import (
     COORDINATES,
     Data,
@@ -211,7 +211,7 @@ class Series:
                 places = [float(measured.places[row]) for row in rows]
                 check_places(scenes[rows], source, places)
             check_signs(measured, scenes)
-            notes = [*_implausible_rows(name, scene, scenes), *list_doubts(name, measured)]
+            notes = [*_implausible_rows(name, scene, scenes), *describe_improbable(name, measured)]
             if is_creep_curve:
                 cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
                 notes.append(f"{name}: compared with the unworn bodies, revolution 0; {cure}")

@@ -1,4 +1,4 @@
-"""What a fit leaves open, in words: undetermined parameters, wide intervals, and doubts."""
+"""What a fit leaves open, in words: undetermined parameters, and wide intervals."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -144,7 +144,7 @@ def _describe_spans(best: Estimate, intervals: Intervals, level: float) -> Itera
         noted.update(pair)
         names = " and ".join(keys[one] for one in pair)
         factors = " and ".join(f"{spans[one]:.2g}" for one in pair)
-        text = f"{names} hardly determined: {level:.0%} intervals span factors of {factors}"
+        text = f"{names} hardly determined: {level:.0%} interval spans a factor of {factors}"
         cure = _suggest_data([keys[one] for one in pair])
         if similar:
             text += f"; {keys[k]} and {keys[other]} have similar effects"

@@ -257,7 +257,7 @@ class FitResult:
             value, sd, low, high, shift = (columns[name][key] for name in names)
             texts = {
                 "value": f"{value:.4g}",
-                "sd": f"{sd:.2g}",
+                "sd": f"{sd:.2g}" if sd < 99.5 else f"{sd:.3g}",
                 f"{level} from": f"{low:.4g}",
                 f"{level} to": f"{high:.4g}",
                 "finer mesh / sd": f"{shift / sd:.1g}" if math.isfinite(sd) else "",

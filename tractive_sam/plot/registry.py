@@ -374,13 +374,13 @@ def save_all(
     chosen = {history.place_of(block): history.block(block) for block in blocks}
     if measured is not None:
         measured.check(history)
-    with change_options(units=units, titles=titles, measured=measured):
+    with change_options(units=units, measured=measured):
         drawings = list_figures(history)
         shared = {drawing.name for drawing in drawings}
         for k, block in chosen.items():
             extra = (drawing for drawing in list_figures(block) if drawing.name not in shared)
             drawings += (replace(drawing, name=f"block-{k}/{drawing.name}") for drawing in extra)
-        return save_drawings(drawings, directory, format, dpi=dpi, width=width)
+        return save_drawings(drawings, directory, format, dpi=dpi, width=width, titles=titles)
 
 
 def save_drawings(
@@ -390,6 +390,7 @@ def save_drawings(
     *,
     dpi: float | None = None,
     width: float | None = None,
+    titles: bool = True,
 ) -> list[Path]:
     """Draw figures and save them in a folder; return the paths.
 
@@ -399,7 +400,7 @@ def save_drawings(
     ----------
     drawings : iterable of Drawing
         Figures; a name may contain a folder.
-    directory, format, dpi, width
+    directory, format, dpi, width, titles
         See `save_all`.
 
     Examples
@@ -414,7 +415,7 @@ def save_drawings(
         interrupt.raise_if_interrupted()
         path = Path(directory) / f"{drawing.name}.{format}"
         make_folder(path.parent)
-        with omit_failing_figure(drawing.name):
+        with omit_failing_figure(drawing.name), change_options(titles=titles):
             draw_in_width(drawing.draw, width).savefig(path, dpi=dpi or DPI)
             paths.append(path)
     return paths

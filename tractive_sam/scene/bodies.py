@@ -230,9 +230,9 @@ class Body(Table):
 
     key_advice: ClassVar[Mapping[str, str]] = {
         "tilt": "load.tilt, for rollers, or [gap] with heights that rise across the track",
+        "diameter": "radius_x, half of the diameter, mm",
         "crown": "radius_y, the radius across the track, profile of a roller, or [gap]",
-        "hardness_depth": "[fatigue.A] or [fatigue.B] with depth and hardness; body.A.hardness is "
-        "for the wear law",
+        "hardness_depth": "depth and hardness in [fatigue.A]; body.A.hardness is for the wear law",
     }
     young: Positive | None = optional("Young's modulus, MPa")
     shear: Positive | None = optional("shear modulus, MPa")

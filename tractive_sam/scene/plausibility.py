@@ -172,6 +172,12 @@ def read_speed(scene: Any) -> Iterator[Reading]:
         yield Reading("creepage.speed", speed, {"mm": 1e3 * speed})
 
 
+def read_half_speed(scene: Any) -> Iterator[Reading]:
+    """Yield the sliding speed of half the decrease of friction, mm/s."""
+    half_speed = scene.friction.half_speed
+    yield Reading("friction.half_speed", half_speed, {"mm": 1e3 * half_speed})
+
+
 def read_friction(scene: Any) -> Iterator[Reading]:
     """Yield the larger of the friction coefficients mu1 and mu2."""
     yield Reading("friction.mu", max(scene.friction.mu))
@@ -427,6 +433,16 @@ RULES = (
         needs="creepage.speed",
         above=0.0,
         below=60.0,
+    ),
+    Rule(
+        "half speed in m/s",
+        "scene",
+        read_half_speed,
+        "{value:g} mm/s is slow; is it in m/s? {value:g} m/s is {mm:g} mm/s",
+        "friction of rolling contacts falls at sliding speeds of 1e1 to 1e3 mm/s, in m/s 0.01 to 1",
+        needs="friction.half_speed",
+        above=0.0,
+        below=2.0,
     ),
     Rule(
         "friction in per cent",

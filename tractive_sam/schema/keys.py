@@ -190,14 +190,20 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
             names = get_args(item) if get_origin(item) is Literal else ()
             return f"a list of {list_names(names, 'and')}" if names else ""
         item = describe_allowed(item)
-        accepts_number = any(
-            isinstance(check, BeforeValidator) and check.func is number_to_pair
-            for check in constraints
-        )
         pair = f"a pair of {item.removeprefix('a ').replace('number', 'numbers')}"
-        return f"{item}, or a pair of them" if accepts_number else pair
+        return f"{item}, or a pair of them" if takes_number(kind, constraints) else pair
     bounds = _bounds(constraints)
     return f"{words.get(kind, '')}{_describe_bounds(bounds)}" if kind in words else ""
+
+
+def takes_number(kind: Any, checks: Iterable[Any] = ()) -> bool:
+    """Return whether a type, with its validators, is a pair that one number may give."""
+    if get_origin(kind) is Annotated:
+        inner, *checks = get_args(kind)
+        return takes_number(inner, checks)
+    if isinstance(kind, UnionType) or get_origin(kind) is Union:
+        return any(map(takes_number, get_args(kind)))
+    return any(isinstance(one, BeforeValidator) and one.func is number_to_pair for one in checks)
 
 
 def list_names(names: Iterable[str], last: str = "or") -> str:

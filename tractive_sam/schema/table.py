@@ -28,7 +28,7 @@ from tractive_sam.description import Row
 
 from . import toml
 from .faults import Fault, SceneError, shorten, suggest_name
-from .keys import docstring_with_keys, key_signature, set_allowed_texts, split_key
+from .keys import docstring_with_keys, key_signature, set_allowed_texts, split_key, takes_number
 
 
 class InvalidEntryError(LookupError):
@@ -159,6 +159,19 @@ def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:
     if isinstance(value, tuple) and any(isinstance(item, TableBase) for item in value):
         return tuple(convert(item) for item in value)
     return value
+
+
+def _shorten_pairs(table: TableBase, entries: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entries of a table with a pair of equal numbers as one where that is allowed."""
+    short = dict(entries)
+    for key, value in entries.items():
+        info, inner = type(table).model_fields.get(key), getattr(table, key, None)
+        if isinstance(inner, TableBase) and isinstance(value, Mapping):
+            short[key] = _shorten_pairs(inner, value)
+        elif info is not None and takes_number(info.annotation, info.metadata):
+            is_pair = isinstance(value, tuple) and len(value) == 2
+            short[key] = value[0] if is_pair and value[0] == value[1] else value
+    return short
 
 
 def array_item(info: FieldInfo) -> type[TableBase] | None:
@@ -580,7 +593,7 @@ class TomlTable(Table):
 
     def to_toml(self) -> str:
         """Return the entries that were set as TOML, without defaults, for `from_toml_text`."""
-        return toml.emit(self.entries())
+        return toml.emit(_shorten_pairs(self, self.entries()))
 
     @staticmethod
     def read_tables(path: str | PathLike[str]) -> dict[str, Any]:

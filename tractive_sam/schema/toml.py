@@ -109,6 +109,8 @@ def _syntax_fault(text: str, message: str) -> Fault:
     hint = ""
     if re.search(r"=\s*[-+]?\d+,\d+\s*(#|$)", content):
         hint = "; a decimal point, perhaps?"
+    elif re.search(r"[=,\[]\s*[-+]?(\.\d|\d+\.(?!\d))", content):
+        hint = "; digits before and after the decimal point, as in 0.5 and 1.0"
     elif re.search(r"=\s*[-+]?infinity\b", content, re.IGNORECASE):
         hint = "; inf, perhaps?"
     elif re.search(r'"[^"]*\\', content):
