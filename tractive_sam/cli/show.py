@@ -150,7 +150,7 @@ def plot(
     animated
         Also write evolution.gif, an animation of the stored revolutions.
     """
-    options = {
+    options: dict[str, Any] = {
         "units": units, "blocks": block, "titles": title, "measured": _read_measured(measured),
         "animate": animated or None,
     }  # fmt: skip
