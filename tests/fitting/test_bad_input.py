@@ -177,7 +177,7 @@ def test_files_of_spreadsheets_are_read(tmp_path):
     (tmp_path / "creep.csv").write_text(text)
     data = {"file": str(tmp_path / "creep.csv"), "observe": "Qx_over_P", "noise": 0.05}
     table = data | {"vary": "creepage.longitudinal"}
-    with pytest.warns(ts.SceneWarning, match="creep.csv that are not read: slip"):
+    with pytest.warns(ts.SceneWarning, match="creep.csv: columns that are not read: slip"):
         problem = make_problem(read_design(fitted() | {"data": [table]}).fit)
     assert problem.observed.tolist() == [0.17, 0.26]
     assert problem.series[0].measured.settings[1] == {"creepage.longitudinal": -0.002}
