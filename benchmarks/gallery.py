@@ -19,6 +19,10 @@ PICTURES = {
     "wheel-flange": ("wheel-rail-1",),
     "fretting": ("hysteresis",),
     "traction-control": ("forces",),
+    "ball-in-groove": ("conformal-patch",),
+    "inclusion": ("von-mises-inclusion-1",),
+    "coated-roller": ("traction-sections",),
+    "rubber-roller": ("pressure",),
 }
 """Figures of each scene, as `tractive-sam plot` names their files."""
 
