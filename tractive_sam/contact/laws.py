@@ -188,7 +188,7 @@ class Laws:
 
 def _elasticity(scene: Scene) -> Elasticity:
     """Return the elastic law of the bodies of a scene, with the interfacial layer."""
-    return _with_layer((scene.conformal or scene.body).elasticity(scene), scene)
+    return _with_layer(scene.pair.elasticity(scene), scene)
 
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:

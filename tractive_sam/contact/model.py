@@ -14,8 +14,8 @@ from tractive_sam.contact.measured import Gap, lowest_separation, resample, samp
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.mechanics import (
     Coulomb,
-    CurvedPatch,
     Elasticity,
+    FlatPatch,
     Frame,
     FrictionLaw,
     FrictionOnMesh,
@@ -184,8 +184,7 @@ class Model:
         self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
         self.wheel_depth: float | None = None
         patches = self.wheel_rail.patches if self.wheel_rail else ()
-        table = scene.conformal
-        self.curved: CurvedPatch | None = None if table is None else table.patch(scene)
+        self.shape = scene.patch
         self.grid = grid or choose_grid(scene, measured, profiles, patches=patches)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
@@ -314,11 +313,7 @@ class Model:
             depth = self.patch.depth if self.wheel_depth is None else self.wheel_depth
             patch = self.patch.lowered(depth)
             return patch.gap(self.grid.x, self.grid.y) - patch.opening
-        x, y = self.grid.x[:, None], self.grid.y[None, :]
-        if self.curved is not None:
-            return self.curved.gap(x, y)
-        radius_x, radius_y = self.scene.body.radii
-        gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
+        gap = self.shape.gap(self.grid.x[:, None], self.grid.y[None, :])
         if self.measured is not None:
             taken = resample(self.measured, self.grid)
             # Subtract first: a distance common to all elements would cost digits of the parabola.
@@ -346,8 +341,8 @@ class Model:
         operators and the units.
         """
         _ = self.operators, self.units
-        model, curved = copy(self), required(self.curved, "conformal")
-        _, normal = curved.normal(self.grid.x[:, None], self.grid.y[None, :])
+        model = copy(self)
+        _, normal = self.shape.normal(self.grid.x[:, None], self.grid.y[None, :])
         gap = self.undeformed_gap + approach * (1.0 - normal)
         model.__dict__ |= {"undeformed_gap": gap, "approach": approach}
         model.__dict__.pop("load", None)
@@ -436,8 +431,9 @@ class Model:
     def transmits(self) -> bool:
         """Whether there may be tangential traction: friction, and creepage, force or coupling."""
         creepage = self.scene.creepage
-        moving = creepage.longitudinal or creepage.lateral or creepage.spin or self.curved
-        caused = moving or any(self.free) or self.elasticity.coupled
+        moving = creepage.longitudinal or creepage.lateral or creepage.spin
+        moving = moving or any(self.free) or not self.shape.is_flat
+        caused = moving or self.elasticity.coupled
         return self.laws.friction is not None and bool(caused or not self.scene.schedule.revolves)
 
     @property
@@ -452,11 +448,9 @@ class Model:
             x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
             patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
             return patch.rigid_slip(x, self.grid.y, wheel_rail.pitch)
-        slip = self.rigid_slip_by(*self._motion)
-        if self.curved is not None and not self.curved.line:
-            ahead = self.stencil.rigid_ahead * self.grid.dx
-            slip = slip + self.curved.rolling_slip(self.grid.x[:, None] + ahead, self.grid.y)
-        return slip
+        ahead = self.stencil.rigid_ahead * self.grid.dx
+        rolling = self.shape.rolling_slip(self.grid.x[:, None] + ahead, self.grid.y)
+        return self.rigid_slip_by(*self._motion) + rolling
 
     @property
     def finds_pitch(self) -> bool:
@@ -489,9 +483,8 @@ class Model:
         """
         x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
         y = self.grid.y[None, :]
-        if self.curved is not None and not (flat or self.curved.line):
-            return self.curved.rigid_slip(x, y, longitudinal, lateral, spin)
-        return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
+        shape = FlatPatch(*self.scene.body.radii) if flat else self.shape
+        return shape.slip(x, y, longitudinal, lateral, spin)
 
     @cached_property
     def scaled_rigid_slip(self) -> np.ndarray:

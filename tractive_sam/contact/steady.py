@@ -302,7 +302,7 @@ def equilibrium(
         )
 
     moment = model.scene.load.moment
-    if model.curved is not None:
+    if not model.shape.is_flat:
         contact = _find_approach(model, solve, start, tolerance)
     elif moment is None:
         contact = replace(solve(model, start), tilt=model.scene.load.tilt or 0.0)
@@ -610,7 +610,7 @@ def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
     Points beside the tangent plane of the patch of a wheel, or of a curved patch, have another
     rolling radius.
     """
-    if model.patch is None and model.curved is None:
+    if model.patch is None and model.shape.is_flat:
         return 0.0
     beyond = model.rigid_slip - model.rigid_slip_by(*model.creepages(None), flat=True)
     return float(-(traction * model.stencil.at_centres(beyond)).sum() * model.grid.element_area)

@@ -33,10 +33,11 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.kernels.half_space import integrate_logarithm
 from tractive_sam.mechanics.elasticity import PARITIES, HalfSpaces, Material, Strips
+from tractive_sam.mechanics.hertz_contact import Patch
 
 
 @dataclass(frozen=True)
-class CurvedPatch:
+class CurvedPatch(Patch):
     """Geometry and motion of a contact that curves across the track, or along it in the plane.
 
     Parameters
@@ -60,6 +61,7 @@ class CurvedPatch:
     B: tuple[float, float]
     angle: float = 0.0
     line: bool = False
+    is_flat = False
 
     @property
     def across(self) -> tuple[float, float]:
@@ -88,18 +90,7 @@ class CurvedPatch:
         return 0.5 * (max(self.across) - min(self.across))
 
     def normal(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the lateral and normal component of the normal into A, in the frame of the middle.
-
-        Parameters
-        ----------
-        x, y : ndarray
-            Positions along the arc and along the other axis, mm.
-
-        Returns
-        -------
-        lateral, normal : ndarray
-            -rise sin(theta) and cos(theta), of the shape of x + y.
-        """
+        """Return -rise sin(theta) and cos(theta) (`Patch.normal`)."""
         theta = ((x if self.line else y) + 0.0 * (y if self.line else x)) / self.radius
         return -self.rise * np.sin(theta), np.cos(theta)
 
@@ -124,7 +115,7 @@ class CurvedPatch:
             curvature = curvature + cosine / (radius_x * np.cos(self.angle) + away * raised)
         return gap + 0.5 * x**2 * curvature
 
-    def rigid_slip(
+    def slip(
         self, x: np.ndarray, y: np.ndarray, longitudinal: float, lateral: float, spin: float
     ) -> np.ndarray:
         """Return the slip s/V by creepages at the middle of the patch, without `rolling_slip`.
@@ -132,44 +123,28 @@ class CurvedPatch:
         A lateral creepage is that of a yaw: a velocity in the plane that the contact angle is
         measured from, with this component in the plane of the middle.
 
-        Parameters
-        ----------
-        x, y : ndarray
-            Positions, mm.
-        longitudinal, lateral, spin : float
-            Creepages; spin in 1/mm.
-
-        Returns
-        -------
-        ndarray, shape (2, n_x, n_y)
+        Parameters as in `Patch.slip`.
         """
+        if self.line:
+            return super().slip(x, y, longitudinal, lateral, spin)
         theta = y / self.radius
         turned = np.cos(self.angle + theta) / np.cos(self.angle)
         along = longitudinal - spin * self.radius * np.sin(theta)
         across = lateral * turned + spin * x * np.cos(theta)
         return np.stack(np.broadcast_arrays(along, across))
 
-    def rolling_slip(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def rolling_slip(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
         """Return the slip s/V of bodies that roll without creepage (Heathcote), (2, n_x, n_y).
 
         Points beside the middle have other distances from the axes of rotation. The local spin is
         -rise sin(theta)/R_x, with R_x the combined radius in the rolling direction.
         """
+        if self.line:
+            return 0.0
         theta = y / self.radius
         curvature = self.rise * (1.0 / self.A[0] + 1.0 / self.B[0])
         along = curvature * self.radius * (1.0 - np.cos(theta)) + 0.0 * x
         return np.stack(np.broadcast_arrays(along, -curvature * x * np.sin(theta)))
-
-    def force(
-        self, x: np.ndarray, y: np.ndarray, pressure: np.ndarray, traction: np.ndarray
-    ) -> tuple[float, float]:
-        """Return the sums of lateral and normal components of pressure and traction on A."""
-        lateral, normal = self.normal(x, y)
-        across = 0.0 if self.line else traction[1]
-        return (
-            float((pressure * lateral + across * normal).sum()),
-            float((pressure * normal - across * lateral).sum()),
-        )
 
     def elasticity(self, A: Material, B: Material) -> HalfSpaces:
         """Return the elastic law of bodies of two materials."""

@@ -1,12 +1,85 @@
-"""Hertz contact of an ellipse, and of two parallel cylinders."""
+"""Contact of radii: its patch, the Hertz contact of an ellipse, and of two parallel cylinders."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+
+class Patch(ABC):
+    """Base class of contact patches: geometry and motion of the undeformed bodies.
+
+    The defaults are those of a patch in the tangent plane. Positions x and y are broadcast.
+    """
+
+    is_flat: ClassVar[bool] = True
+    """Whether the normal is the same everywhere, and bodies without creepage roll without slip."""
+
+    @abstractmethod
+    def gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the separation of the undeformed bodies along the normal, mm."""
+
+    def normal(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the lateral and normal component of the normal into A, in the frame of the middle.
+
+        Returns
+        -------
+        lateral, normal : ndarray
+            Of the shape of x + y.
+        """
+        zero = 0.0 * (x + y)
+        return zero, zero + 1.0
+
+    def slip(
+        self, x: np.ndarray, y: np.ndarray, longitudinal: float, lateral: float, spin: float
+    ) -> np.ndarray:
+        """Return the slip s/V by creepages, without `rolling_slip`, shape (2, n_x, n_y).
+
+        Parameters
+        ----------
+        x, y : ndarray
+            Positions, mm.
+        longitudinal, lateral, spin : float
+            Creepages at the middle of the patch; spin in 1/mm.
+        """
+        return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
+
+    def rolling_slip(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
+        """Return the slip s/V of bodies that roll without creepage, (2, n_x, n_y) or 0."""
+        return 0.0
+
+    def force(
+        self, x: np.ndarray, y: np.ndarray, pressure: np.ndarray, traction: np.ndarray
+    ) -> tuple[float, float]:
+        """Return the sums of lateral and normal components of pressure and traction on A."""
+        (lateral, normal), across = self.normal(x, y), traction[1]
+        return (
+            float((pressure * lateral + across * normal).sum()),
+            float((pressure * normal - across * lateral).sum()),
+        )
+
+
+@dataclass(frozen=True)
+class FlatPatch(Patch):
+    """Patch of bodies with combined radii R_x and R_y, mm, in their tangent plane.
+
+    Examples
+    --------
+    >>> FlatPatch(10.0, math.inf).gap(np.ones(1), np.ones(1))
+    array([0.05])
+    """
+
+    radius_x: float
+    radius_y: float
+
+    def gap(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the separation of paraboloids with these radii, mm."""
+        return np.asarray(0.5 * (x**2 / self.radius_x + y**2 / self.radius_y))
 
 
 @dataclass(frozen=True)

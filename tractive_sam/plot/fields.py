@@ -231,7 +231,7 @@ def pressure_along_roller(view: ContactView) -> Figure:
     "conformal-patch",
     needs=[
         Need(
-            lambda view: view.contact.scene.conformal is not None,
+            lambda view: not view.contact.scene.patch.is_flat,
             "a curved patch: add [conformal] to the scene",
         ),
     ],

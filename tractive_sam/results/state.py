@@ -511,10 +511,8 @@ class State:
 
         On a curved patch both have parts of the pressure and of the traction.
         """
-        if self.scene.conformal is None:
-            return self.Qy, self.P
-        patch, (x, y) = self.scene.conformal.patch(self.scene), (self.grid.x, self.grid.y)
-        lateral, normal = patch.force(x[:, None], y[None, :], self.pressure, self.traction)
+        x, y = self.grid.x[:, None], self.grid.y[None, :]
+        lateral, normal = self.scene.patch.force(x, y, self.pressure, self.traction)
         return lateral * self.grid.element_area, normal * self.grid.element_area
 
     @cached_property

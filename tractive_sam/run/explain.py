@@ -56,7 +56,7 @@ def _describe_solver(table: Solver, model: Model) -> Iterator[Row]:
         if model.stencil.staggered:
             scheme = "between elements (staggered): its error falls with the square of their size"
         yield Row("slip", f"from differences {scheme}")
-    conforming = " or conforming" if model.curved is None else ""
+    conforming = " or conforming" if model.shape.is_flat else ""
     yield Row("left out", f"inertia, lubricant, plasticity; thin{conforming} bodies")
 
 

@@ -10,11 +10,13 @@ from typing import Any, ClassVar, Literal
 from tractive_sam.mechanics import (
     CombinedMaterial,
     Elasticity,
+    FlatPatch,
     HalfSpaces,
     HertzContact,
     HertzLine,
     LinearHalfSpaces,
     Material,
+    Patch,
     Strips,
     SurfaceResponse,
     combine,
@@ -441,6 +443,10 @@ class Bodies(Table):
             Rolling speed, mm/s; without it bodies that relax are at rest.
         """
         return pair(self.A.response, self.B.response, datum).at_speed(speed)
+
+    def patch(self, scene: Any) -> Patch:
+        """Return the geometry and motion of the patch in the tangent plane of both bodies."""
+        return FlatPatch(*self.radii)
 
     def elasticity(self, scene: Any) -> Elasticity:
         """Return the elastic law of both bodies in a scene."""

@@ -22,6 +22,7 @@ from tractive_sam.mechanics import (
     HertzContact,
     HertzLine,
     Material,
+    Patch,
     Steel,
     Turns,
 )
@@ -226,7 +227,15 @@ class Scene(TomlTable):
                 "has_fixed_domain",
             ),
             *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
-            *("find_exclusions", "has_gap", "wheel_rail", "opposite_wheel", "without_blocks"),
+            *(
+                "find_exclusions",
+                "has_gap",
+                "pair",
+                "patch",
+                "wheel_rail",
+                "opposite_wheel",
+                "without_blocks",
+            ),
         )
     )
 
@@ -290,9 +299,19 @@ class Scene(TomlTable):
         return find_exclusions(vars(self)).get(use, {})
 
     @property
+    def pair(self) -> Conformal | Bodies:
+        """Table that makes the patch and the elastic law of both bodies."""
+        return self.conformal or self.body
+
+    @property
+    def patch(self) -> Patch:
+        """Geometry and motion of the undeformed bodies; not those of a wheel on a rail."""
+        return self.pair.patch(self)
+
+    @property
     def has_gap(self) -> bool:
         """Whether the undeformed surfaces differ from the radii, so that Hertz does not apply."""
-        return any(table is not None for table in (self.gap, self.wheel, self.conformal))
+        return any((self.gap, self.wheel, not self.patch.is_flat))
 
     @property
     def _unequal_turns(self) -> str:
