@@ -67,7 +67,6 @@ from .layers import Layer as Layer
 from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
 from .layers import TransverseMaterial as TransverseMaterial
-from .layers import contact_modulus as contact_modulus
 from .layers import pair as pair
 from .relaxation import RelaxingBody as RelaxingBody
 from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces

@@ -256,6 +256,8 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
     True
     """
 
+    shared = True
+
     @cached_property
     def harmonics(self) -> np.ndarray:
         """Sum of s_n of k S = sum of s_n exp(i n angle) over the anisotropic bodies, 1/MPa."""
@@ -344,13 +346,7 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         return replace(self, A=inwards, B=Material(np.inf, 0.0))
 
     def hertz(
-        self,
-        radius_x: float,
-        radius_y: float,
-        *,
-        load: float | None = None,
-        approach: float | None = None,
-        pressure: float | None = None,
+        self, radius_x: float, radius_y: float, **given: float | None
     ) -> HertzContact | HertzLine:
         """Return the Hertz contact of homogeneous bodies; its ellipse may be turned.
 
@@ -359,19 +355,13 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
             (p0 c/8) (int S_zz/lam dtheta - r.[int S_zz m m/lam³ dtheta] r/c²),  lam² = m.M m,
 
         m the direction theta (Willis, J. Mech. Phys. Solids 14 (1966) 163-176). The half axes of
-        the result are half lengths of the ellipse along x and y. One of the last three is given.
+        the result are half lengths of the ellipse along x and y.
 
-        Parameters
-        ----------
-        radius_x, radius_y : float
-            Combined radii, mm; an infinite `radius_y` is that of a line contact.
-        load, approach, pressure : float, optional
-            N (N/mm in a line contact), mm, MPa.
+        Parameters as in `LinearHalfSpaces.hertz`.
         """
         if self.reach:  # beside layers, by the mean over directions
-            return super().hertz(
-                radius_x, radius_y, load=load, approach=approach, pressure=pressure
-            )
+            return super().hertz(radius_x, radius_y, **given)
+        load, pressure = given.get("load"), given.get("pressure")
         if radius_y == np.inf:
             along_x = self.harmonics[::2, 2, 2].real
             compliance = 2.0 * along_x.sum() - along_x[0] + self.images[1][0, 0]
@@ -409,8 +399,7 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
             c = np.cbrt(1.5 * load * curving / np.pi)
             p0 = c / curving
         else:
-            assert approach is not None  # as one of the three is given
-            c = np.sqrt(8.0 * approach * curving / depth)
+            c = np.sqrt(8.0 * (given["approach"] or 0.0) * curving / depth)
             p0 = c / curving
         a, b = c * np.sqrt(np.diag(M))
         return HertzContact(

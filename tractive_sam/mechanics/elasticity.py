@@ -42,7 +42,7 @@ class SurfaceResponse(ABC):
     ...     @property
     ...     def compliances(self):
     ...         return np.zeros(4)
-    >>> float(ts.mechanics.contact_modulus(Rigid(), ts.Material(1.0, 0.5), length=1.0))
+    >>> ts.LinearHalfSpaces(Rigid(), ts.Material(1.0, 0.5)).contact_modulus(length=1.0)
     4.0
     """
 
@@ -254,6 +254,9 @@ class Elasticity(Law, ABC):
     >>> round(soft.approach / soft.p_max, 7)
     1e-06
     """
+
+    shared: ClassVar[bool] = False
+    """Whether equal laws of the class itself, on small meshes, share operators that are stored."""
 
     @property
     def coupled(self) -> bool:
@@ -486,6 +489,7 @@ class HalfSpaces(Elasticity):
 
     A: Material
     B: Material
+    shared = True
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Remove the stress of homogeneous bodies from subclasses with other coefficients."""

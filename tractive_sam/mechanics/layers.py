@@ -644,6 +644,7 @@ class LinearHalfSpaces(Elasticity):
     A: SurfaceResponse
     B: SurfaceResponse
     datum: float | None = None
+    shared = True
 
     @property
     def coupled(self) -> bool:
@@ -726,41 +727,54 @@ class LinearHalfSpaces(Elasticity):
         return self
 
     @property
+    def speed(self) -> float:
+        """Rolling speed, mm/s; 0 of bodies whose response does not depend on it."""
+        return 0.0
+
+    @property
     def reach(self) -> float:
         """Length of the waves at which the response changes, mm; 0 if it does not."""
-        return self.A.reach(0.0) + self.B.reach(0.0)
+        return self.A.reach(self.speed) + self.B.reach(self.speed)
 
     def contact_modulus(self, length: float) -> float:
-        """Return the contact modulus E*, MPa, for waves as long as a contact, mm."""
-        return contact_modulus(self.A, self.B, length)
+        """Return the contact modulus E* for waves as long as a contact, MPa.
+
+        The wave number is 2.2 / a: with its modulus, the Hertz contact of a sphere is as large as
+        that of a body with a coating, with errors of 8 % for moduli of the coating from 1/10 to 50
+        times that of the body.
+
+        Parameters
+        ----------
+        length : float
+            Half length of the contact, mm.
+        """
+        compliance, k = 0.0, 2.2 / length
+        for body in (self.A, self.B):
+            heights, amplitudes = body.images
+            part = body.compliances[0] + amplitudes[0] @ np.exp(-k * heights)
+            compliance += part * body.factor(k, self.speed).real
+        return float(2.0 / compliance)
 
     def hertz(
-        self,
-        radius_x: float,
-        radius_y: float,
-        *,
-        load: float | None = None,
-        approach: float | None = None,
-        pressure: float | None = None,
+        self, radius_x: float, radius_y: float, **given: float | None
     ) -> HertzContact | HertzLine:
         """Return the Hertz contact whose modulus is that of the bodies for waves of its length.
 
-        For homogeneous bodies it is exact. One of the last three parameters is given.
+        For homogeneous bodies it is exact.
 
         Parameters
         ----------
         radius_x, radius_y : float
             Combined radii, mm; an infinite `radius_y` is that of a line contact.
-        load, approach, pressure : float, optional
-            N (N/mm in a line contact), mm, MPa.
+        **given : float or None
+            One of `load`, N (N/mm in a line contact), `approach`, mm, and `pressure`, MPa.
         """
 
         def contact(modulus: float) -> HertzContact | HertzLine:
             if radius_y == np.inf:
+                load, pressure = given.get("load"), given.get("pressure")
                 return hertz_line(modulus, radius_x, load, pressure=pressure)
-            return hertz(
-                modulus, radius_x, radius_y, load=load, approach=approach, pressure=pressure
-            )
+            return hertz(modulus, radius_x, radius_y, **given)
 
         if not (depth := self.reach):
             return contact(self.contact_modulus(1.0))
@@ -852,32 +866,6 @@ def _coefficients(
     if heights.size == 1:
         return surface
     return surface + load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
-
-
-def contact_modulus(
-    A: SurfaceResponse, B: SurfaceResponse, length: float, speed: float = 0.0
-) -> float:
-    """Return the contact modulus E* of two bodies for waves as long as a contact, MPa.
-
-    The wave number is 2.2 / a: with its modulus, the Hertz contact of a sphere is as large as that
-    of a body with a coating, with errors of 8 % for moduli of the coating from 1/10 to 50 times
-    that of the body.
-
-    Parameters
-    ----------
-    A, B : SurfaceResponse
-        The bodies.
-    length : float
-        Half length of the contact, mm.
-    speed : float
-        Rolling speed, mm/s, which stiffens bodies that relax; by default they have relaxed.
-    """
-    compliance, k = 0.0, 2.2 / length
-    for body in (A, B):
-        heights, amplitudes = body.images
-        part = body.compliances[0] + amplitudes[0] @ np.exp(-k * heights)
-        compliance += part * body.factor(k, speed).real
-    return float(2.0 / compliance)
 
 
 def pair(A: SurfaceResponse, B: SurfaceResponse, datum: float | None = None) -> LinearHalfSpaces:

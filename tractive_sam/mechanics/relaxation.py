@@ -42,7 +42,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tractive_sam.mechanics.elasticity import Elasticity, Material, SurfaceResponse
-from tractive_sam.mechanics.layers import LinearHalfSpaces, contact_modulus
+from tractive_sam.mechanics.layers import LinearHalfSpaces
 
 
 @dataclass(frozen=True)
@@ -172,6 +172,7 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
 
     speed: float = 0.0
     step: tuple[float, float] | None = None
+    shared = True
 
     @property
     def symmetric(self) -> bool:
@@ -223,15 +224,6 @@ class RelaxingHalfSpaces(LinearHalfSpaces):
     def at_speed(self, speed: float | None) -> "RelaxingHalfSpaces":
         """Return the law at a rolling speed, mm/s; without one at rest, long after loading."""
         return replace(self, speed=speed or 0.0)
-
-    @property
-    def reach(self) -> float:
-        """Length of layers and of the memory, mm."""
-        return self.A.reach(self.speed) + self.B.reach(self.speed)
-
-    def contact_modulus(self, length: float) -> float:
-        """Return the contact modulus E*, MPa, at the rolling speed."""
-        return contact_modulus(self.A, self.B, length, self.speed)
 
     def single_body(self, body: str) -> Elasticity:
         """Return the half-spaces for the stress in a body, which tractions give at any time.

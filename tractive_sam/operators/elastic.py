@@ -37,15 +37,7 @@ from tractive_sam.compute import (
     padded_length,
 )
 from tractive_sam.kernels.linear_algebra import row_products
-from tractive_sam.mechanics import (
-    PARITIES,
-    AnisotropicHalfSpaces,
-    Elasticity,
-    Frame,
-    HalfSpaces,
-    LinearHalfSpaces,
-    RelaxingHalfSpaces,
-)
+from tractive_sam.mechanics import PARITIES, Elasticity, Frame
 from tractive_sam.operators.zone_inverse import ZoneInverse
 
 Box = tuple[slice, slice]
@@ -251,8 +243,7 @@ def transform_displacement(
 
 def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bool:
     """Return whether other scenes may have the same bodies on this mesh of few padded elements."""
-    laws = HalfSpaces, LinearHalfSpaces, RelaxingHalfSpaces, AnisotropicHalfSpaces
-    return prod(lattice.padded) <= largest and type(elasticity) in laws
+    return prod(lattice.padded) <= largest and vars(type(elasticity)).get("shared", False)
 
 
 def _transform_table(

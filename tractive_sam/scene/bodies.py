@@ -140,22 +140,6 @@ class Heat(Table):
         return {"A": bulk.A, "B": bulk.B} if isinstance(bulk, Bulk) else dict.fromkeys("AB", bulk)
 
 
-def _check_thermal_of_both(entries: ValidEntries) -> Iterator[Fault]:
-    """Report thermal properties of one body only."""
-    with_table = [body for body in "AB" if entries[f"body.{body}.thermal"] is not None]
-    if len(with_table) == 1:
-        (missing,) = set("AB") - set(with_table)
-        cure = f"a table for both bodies or for none; body {with_table[0]} has one"
-        yield Fault(f"body.{missing}.thermal", "nothing", cure)
-
-
-def _check_heat_has_speed(entries: ValidEntries) -> Iterator[Fault]:
-    """Report [heat] without the rolling speed."""
-    if entries["heat"] is not None and entries["creepage.speed"] is None:
-        cure = "rolling speed V, mm/s, which [heat] needs"
-        yield Fault("creepage.speed", "nothing", cure)
-
-
 def _check_thermal_is_present(
     entries: ValidEntries, steel: tuple[float, float] = (180e3, 230e3)
 ) -> Iterator[Fault]:
@@ -197,22 +181,16 @@ def _check_temperature_has_heat(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_heat_of_transient(entries: ValidEntries) -> Iterator[Fault]:
-    """Report [heat] with shifts, which take no time, and laws of a transient with temperature."""
+    """Report [heat] with shifts, which take no time."""
     transient = entries["transient"]
     if transient is None or entries["heat"] is None:
         return
     for key in transient.shift_keys:
         cure = "stages that roll: temperature depends on time, and a shift takes no time"
         yield Fault(key, '"shift" with [heat]', cure)
-    for table in ("friction", "wear"):
-        if entries[table] is not None and entries[f"{table}.temperature"] is not None:
-            cure = "nothing: in a transient the laws do not depend on the temperature"
-            yield Fault(f"{table}.temperature", "with [transient]", cure)
 
 
 HEAT_CHECKS: tuple[Check, ...] = (
-    _check_thermal_of_both,
-    _check_heat_has_speed,
     _check_thermal_is_present,
     _check_temperature_has_heat,
     _check_heat_of_transient,
@@ -316,10 +294,8 @@ class Body(Table):
         body: SurfaceResponse = self.material
         responses = {}
         for key, kind in self.parts.items():
-            if given := self._given(key):
-                before, body = body, kind.change(given, body)
-                if body != before:
-                    responses[key] = body
+            if (changed := kind.change(self._given(key), body)) != body:
+                responses[key] = body = changed
         return responses
 
     def _given(self, key: str) -> tuple[Any, ...]:
@@ -333,14 +309,19 @@ class Body(Table):
             yield from kind.describe_part(self._given(key), self.response)
 
 
-def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
-    """Report the hardness of one body only."""
-    bodies = [body for body in "AB" if f"{body}.hardness" in entries.given]
-    if len(bodies) == 1:
-        (missing,) = set("AB") - set(bodies)
-        cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
-        hardness = entries[f"{bodies[0]}.hardness"]  # if valid; otherwise it has its own fault
-        yield Fault(f"{missing}.hardness", f"nothing, and {hardness:g} for body {bodies[0]}", cure)
+def _check_keys_of_both(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a hardness or thermal properties of one body only."""
+    reasons = {
+        "hardness": "their ratio gives the shares in the wear",
+        "thermal": "without it both are of steel",
+    }
+    for key, reason in reasons.items():
+        bodies = [body for body in "AB" if f"{body}.{key}" in entries.given]
+        if len(bodies) == 1:
+            _ = entries[f"{bodies[0]}.{key}"]  # if it is not valid, it has its own fault
+            (missing,) = set("AB") - set(bodies)
+            cure = f"a value for both bodies or for none: {reason}"
+            yield Fault(f"{missing}.{key}", f"nothing, but body {bodies[0]} has it", cure)
 
 
 def _check_laws_combine(entries: ValidEntries) -> Iterator[Fault]:
@@ -366,7 +347,7 @@ class Bodies(Table):
 
     A: InnerTable[Body] = entry("the upper body")
     B: InnerTable[Body] = entry("the lower body")
-    checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both, _check_laws_combine)
+    checks: ClassVar[tuple[Check, ...]] = (_check_keys_of_both, _check_laws_combine)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: moduli and radii of each body, combined modulus and radii."""

@@ -5,7 +5,16 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
-from tractive_sam.schema import Check, Fault, NamedLaw, ValidEntries, not_both, shorten, warn
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    NamedLaw,
+    Table,
+    ValidEntries,
+    not_both,
+    shorten,
+    warn,
+)
 
 from .bodies import HEAT_CHECKS, Bodies
 from .duty import check_blocks
@@ -192,7 +201,7 @@ FORCE_CHECKS: tuple[Check, ...] = (
 
 
 def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a missing [friction] table, and tables and keys that [transient] excludes."""
+    """Report a missing [friction] table, and values of keys that [transient] excludes."""
     if entries["transient"] is None:
         return
     friction = entries["friction"]
@@ -201,14 +210,6 @@ def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
     elif friction.share is not None and friction.memory and friction.strength is not None:
         cure = "nothing: a transient with friction.memory cannot have a strength"
         yield Fault("friction.strength", "with friction.memory and [transient]", cure)
-    if entries["accuracy"] is not None:
-        cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
-        yield Fault("transient", "together with [accuracy]", cure)
-    if friction is not None and friction.layer:
-        value = f"{friction.layer:g}, with [transient]"
-        yield Fault(
-            "friction.layer", value, "0: an interfacial layer is not modelled in a transient"
-        )
     if entries["solver.method"] in ("uzawa", "anderson"):
         value = f'solver.method = "{entries["solver.method"]}"'
         yield Fault("solver.method", value, '"auto" or "newton" with [transient]')
@@ -237,10 +238,6 @@ def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
 
 
-REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
-"""Keys of [wear] that only apply to revolutions."""
-
-
 def _check_duration(entries: ValidEntries) -> Iterator[Fault]:
     """Report the duration of shifts of bodies that do not relax, and of rolling."""
     transient = entries["transient"]
@@ -256,7 +253,7 @@ def _check_duration(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
-    """Report entries of [wear] that a transient excludes, or without it the missing revolutions."""
+    """Report wear that a transient does not follow, or without it the missing revolutions."""
     transient, wear = entries["transient"], entries["wear"]
     if wear is None or entries["process"] is not None:
         return
@@ -265,10 +262,6 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
             cure = "an integer from 1, or a [transient] with a distance over which it wears"
             yield Fault("wear.revolutions", "nothing", cure)
         return
-    for key in REVOLUTION_KEYS:
-        if f"wear.{key}" in entries.given:
-            cure = "nothing: the wear accumulates over transient.distance"
-            yield Fault(f"wear.{key}", "with [transient]", cure)
     laws = set() if wear.named_law else set(wear.laws.values())
     for law in sorted(law for law in laws if law and law not in BY_COEFFICIENT):
         if transient.shift_keys:
@@ -348,18 +341,21 @@ def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_speed(entries: ValidEntries) -> Iterator[Fault]:
-    """Report bodies or a friction law that depend on the rolling speed, without it."""
-    friction = entries["friction"]
-    if entries["creepage.speed"] is not None:
-        return
+    """Report bodies, laws or a [heat] table that depend on the rolling speed, without it."""
+    friction, wear, sliding = entries["friction"], entries["wear"], "depends on the sliding speed"
+    reasons = []
     if friction is not None and friction.share is not None:
-        cure = f'friction.law = "{friction.law}" depends on the sliding speed'
-        yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s: {cure}")
+        reasons.append(f'friction.law = "{friction.law}" {sliding}')
+    if wear is not None and "jendel" in wear.laws.values():
+        reasons.append(f"the wear law jendel {sliding}")
+    if entries["heat"] is not None:
+        reasons.append("[heat] depends on it")
     transient = entries["transient"]
     rolls = transient is None or transient.rolls or transient.start == "steady"
     if entries["body"].relaxes and rolls:
-        cure = "rolling speed V, mm/s, which a body with relaxation needs"
-        yield Fault("creepage.speed", "nothing", cure)
+        reasons.append("the response of a body with relaxation depends on it")
+    if reasons and entries["creepage.speed"] is None:
+        yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s: {'; '.join(reasons)}")
 
 
 def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
@@ -485,34 +481,13 @@ def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
         if f"body.{body}.hardness" not in entries.given:
             cure = "hardness in MPa: the law jendel depends on the pressure over the hardness"
             yield Fault(f"body.{body}.hardness", "nothing", cure)
-    if "jendel" in laws.values() and entries["creepage.speed"] is None:
-        cure = "rolling speed, mm/s: the law jendel depends on the sliding speed"
-        yield Fault("creepage.speed", "nothing", cure)
 
 
 def _check_stress_history(entries: ValidEntries) -> Iterator[Fault]:
-    """Report [transient] with a cycle start but no [fatigue], or with [fatigue.volume]."""
-    fatigue, transient = entries["fatigue"], entries["transient"]
-    if transient is None:
-        return
-    if fatigue is None and transient.cycle_start is not None:
-        yield Fault("transient.cycle_start", f"{transient.cycle_start:g}", "only with [fatigue]")
-    if fatigue is not None and fatigue.volume is not None:
-        cure = "without [transient]: a volume is stressed evenly only in steady rolling"
-        yield Fault("fatigue.volume", "with [transient]", cure)
-
-
-def _check_process_excludes(entries: ValidEntries) -> Iterator[Fault]:
-    """Report tables and keys that [process] excludes."""
-    if entries["process"] is None:
-        return
-    for table in ("transient", "duty", "accuracy"):
-        if entries[table]:
-            yield Fault("process", f"with [{table}]", f"[process] or [{table}], not both")
-    for key in REVOLUTION_KEYS:
-        if f"wear.{key}" in entries.given:
-            cure = "nothing: the process wears up to process.end"
-            yield Fault(f"wear.{key}", "with [process]", cure)
+    """Report [transient] with a cycle start but no [fatigue]."""
+    start = entries["transient.cycle_start"] if entries["transient"] is not None else None
+    if entries["fatigue"] is None and start is not None:
+        yield Fault("transient.cycle_start", f"{start:g}", "only with [fatigue]")
 
 
 def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
@@ -526,15 +501,15 @@ def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
 def find_exclusions(tables: Mapping[str, Any]) -> dict[str, dict[str, str]]:
     """Return why tables and keys of a scene are excluded: reasons by what excludes them, by key.
 
-    Tables and kinds of bodies list what they exclude (`excludes`, `Body.kinds`): tables, keys and
-    uses of a scene. A key "body.NAME" is that of both bodies.
+    Tables and kinds of bodies list what they exclude (`Table.excludes`, `Body.kinds`). A key
+    "body.NAME" is that of both bodies.
 
     Parameters
     ----------
     tables : mapping
         Tables of a scene by name.
     """
-    owners = {key: value.excludes for key, value in tables.items() if hasattr(value, "excludes")}
+    owners = {key: value.excludes for key, value in tables.items() if isinstance(value, Table)}
     for name in "AB":
         kinds = getattr(tables["body"], name).kinds
         owners |= {f"body.{name}.{key}": rows for key, rows in kinds.items()}
@@ -549,15 +524,14 @@ def find_exclusions(tables: Mapping[str, Any]) -> dict[str, dict[str, str]]:
 
 def _check_excluded(entries: ValidEntries) -> Iterator[Fault]:
     """Report tables and keys that others or kinds of bodies exclude, with the reason."""
-    tables = {key: value for key, value in entries.items() if "." not in key}
     _ = entries["body"]
+    tables = {key: value for key, value in entries.items() if "." not in key}
     for key, reasons in find_exclusions(tables).items():
         value = entries.get(key)
-        if value in (None, ()) or (key.endswith(".law") and not isinstance(value, NamedLaw)):
-            continue
-        for reason in dict.fromkeys(reasons.values()):
-            names = ", ".join(owner for owner in reasons if reasons[owner] == reason)
-            yield Fault(key, f"with {names}", f"nothing: {reason}")
+        named = isinstance(value, NamedLaw) or not key.endswith(".law")
+        for owner, reason in reasons.items() if value and named and key in entries.given else ():
+            with_owner = f"with {owner}" if "." in owner else f"with [{owner}]"
+            yield Fault(key, with_owner, f"nothing: {reason}")
 
 
 SCENE_CHECKS: tuple[Check, ...] = (
@@ -582,7 +556,6 @@ SCENE_CHECKS: tuple[Check, ...] = (
     *LINE_CHECKS,
     *WHEEL_CHECKS,
     *TRANSIENT_CHECKS,
-    _check_process_excludes,
     _check_observers,
     *HEAT_CHECKS,
 )

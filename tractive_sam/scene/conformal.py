@@ -30,7 +30,7 @@ class Conformal(Table):
         "radius": "radius_y of the bodies, negative for the groove (radius_x in a line contact)",
         "clearance": "radius_y of the bodies: their difference is the clearance",
     }
-    excludes: ClassVar[Mapping[str, str]] = {
+    excludes: ClassVar[dict[str, str]] = {
         "body.profile": "a roller with a profile is straight",
         "gap": "the separation follows from the radii",
         "wheel": "a wheel on a rail has a plane for each patch",
@@ -47,7 +47,6 @@ class Conformal(Table):
         "levels": "levels are compared for a flat contact",
         "tables": "the contact of a table is flat",
     }
-    """Tables, keys and uses of a scene that [conformal] excludes, and why (`find_exclusions`)."""
     angle: Real = entry(
         "contact angle at the middle of the patch, degrees: between its normal and the plane in "
         "which the bodies roll; it grows with y",

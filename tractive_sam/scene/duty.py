@@ -382,9 +382,6 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
         return
     yield from _check_block_names(duty)
     if entries["transient"] is not None:
-        yield Fault(
-            "duty", "with [transient]", "[[duty]] or [transient]: blocks are steady rolling"
-        )
         return
     wear, cycle = entries["wear"], sum(block.revolutions for block in duty)
     if wear is None and entries["fatigue"] is None:

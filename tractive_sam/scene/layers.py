@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal, Self, cast
 
 import numpy as np
 
@@ -42,8 +42,7 @@ class BodyPart(Table):
         "conformal": "the response of a curved patch is that of homogeneous, isotropic bodies",
         "body.ends": "ends are those of homogeneous, isotropic bodies",
     }
-    """Tables, keys and uses of a scene that the part excludes, and why (`find_exclusions`)."""
-    internal: ClassVar[frozenset[str]] = frozenset(("change", "describe_part", "excludes"))
+    internal: ClassVar[frozenset[str]] = frozenset(("change", "describe_part"))
 
     @classmethod
     def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
@@ -251,7 +250,7 @@ class Stiffness(BodyPart):
     @classmethod
     def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
         """Return the anisotropic material (`BodyPart.change`)."""
-        return parts[0].material
+        return parts[0].material if parts else body
 
     def describe_moduli(self) -> str:
         """Return a text with the modulus for pressure and the constants for tractions."""
@@ -315,11 +314,10 @@ class BodyLayer(BodyPart):
     @classmethod
     def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
         """Return the body with layers, without lower ones that equal it (`BodyPart.change`)."""
-        assert isinstance(body, Material)  # see `check_constants`
         layers = [part.layer for part in parts]
         while layers and layers[-1].material == body and not any(layers[-1].compliance):
             layers.pop()
-        return LayeredBody(tuple(layers), body) if layers else body
+        return LayeredBody(tuple(layers), cast(Material, body)) if layers else body
 
     @classmethod
     def describe_part(

@@ -374,8 +374,6 @@ def check_tilt(entries: ValidEntries) -> Iterator[Fault]:
         return
     if normal is None:
         yield Fault("load.normal", "nothing, with load.moment", "a number above 0, N")
-    if entries["transient"] is not None:
-        yield Fault("load.moment", "with [transient]", "load.tilt: a transient finds no tilt")
     if normal is not None and rollers and None not in rollers.values():
         most = 0.5 * min(rollers.values()) * normal
         if abs(moment) >= most:

@@ -55,6 +55,11 @@ def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
     return places
 
 
+REVOLUTION_KEYS = tuple(
+    f"wear.{key}" for key in ("revolutions", "save", "stepping", "turns", "tolerance")
+)
+"""Keys of [wear] that only apply to revolutions."""
+
 Knots = Annotated[tuple[NotNegative, ...], AfterValidator(_check_knots)]
 Saved = Annotated[tuple[NotNegative, ...], AfterValidator(check_ascending)]
 Course = Annotated[tuple[Real, ...], BeforeValidator(number_to_tuple)]
@@ -536,6 +541,19 @@ class Transient(CourseTable):
         "the last cycle; the default is the first knot",
         "a number from the first knot to below the last",
     )
+    excludes: ClassVar[dict[str, str]] = {
+        **dict.fromkeys(REVOLUTION_KEYS, "the wear accumulates over transient.distance"),
+        **dict.fromkeys(
+            ("friction.temperature", "wear.temperature"),
+            "in a transient the laws do not depend on the temperature",
+        ),
+        "wear.layer_step": "in a transient layers stay",
+        "friction.layer": "an interfacial layer is not modelled in a transient",
+        "fatigue.volume": "a volume is stressed evenly only in steady rolling",
+        "load.moment": "a transient finds no tilt: give load.tilt",
+        "duty": "blocks are steady rolling",
+        "accuracy": "error bars hold for steady states only: give a [grid]",
+    }
     checks: ClassVar[tuple[Check, ...]] = (_check_stages, _check_save, _check_cycle_start)
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -675,6 +693,11 @@ class ProcessTable(LawTable):
         default_factory=lambda entries: tuple(sorted({0.0, entries["end"]})),
     )
     law_key: ClassVar[str] = "name"
+    excludes: ClassVar[dict[str, str]] = {
+        **dict.fromkeys(("transient", "duty", "accuracy"), "the process gives the contacts"),
+        **dict.fromkeys(REVOLUTION_KEYS, "the process wears up to process.end"),
+        "wear.layer_step": "in a process layers stay",
+    }
     checks: ClassVar[tuple[Check, ...]] = (_check_process_save,)
 
     @property

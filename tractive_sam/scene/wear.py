@@ -142,9 +142,6 @@ def check_layers_wear(entries: ValidEntries) -> Iterator[Fault]:
     value, laws = f"{entries['wear.layer_step']:g}", entries["wear.law"]
     if not entries["body"].is_layered:
         yield Fault("wear.layer_step", f"{value}, without layers", "[[body.A.layer]], or no key")
-    for table in ("transient", "process"):
-        if entries[table] is not None:
-            yield Fault("wear.layer_step", f"{value}, with [{table}]", "no key: layers stay")
     if isinstance(laws, WearLaws):
         yield Fault("wear.layer_step", f"{value}, with laws of each body", "one law for both")
 

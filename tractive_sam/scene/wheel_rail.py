@@ -176,6 +176,13 @@ class WheelTable(_ProfileTable):
     460.0
     """
 
+    excludes: ClassVar[dict[str, str]] = {
+        "gap": "profiles give the separation",
+        "transient": "it is not available for wheels",
+        "process": "it is not available for wheels",
+        "accuracy": "use a study over grid.elements",
+        "load_history": "use a study, or [[duty]]",
+    }
     profile: _WheelProfile = entry(
         "wheel profile: S1002, or a file", "S1002, or the path of a file"
     )
@@ -597,21 +604,13 @@ def _try_contact(tables: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRai
 
 
 def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
-    """Report missing tables among [wheel], [rail], [wheelset], and tables that they exclude."""
+    """Report missing tables among [wheel], [rail], [wheelset], and blocks without wear."""
     names = [name for name in TABLES if name in entries.given]
     if not names:
         return
     for name in TABLES:
         if name not in names:
             yield Fault(name, "nothing", f"a [{name}] table: [{names[0]}] is given")
-    cures = {
-        "accuracy": "use a study over grid.elements",
-        "load_history": "use a study, or [[duty]]",
-    }
-    for name in ("gap", "transient", "process", "accuracy", "load_history"):
-        if entries[name]:
-            cure = f"no [{name}]: {cures.get(name, 'it is not available for wheels')}"
-            yield Fault(name, "with [wheel]", cure)
     if entries["duty"] and entries["wear"] is None:
         cure = "a [wear] table, or a study over the positions: only their wear adds up"
         yield Fault("duty", "with [wheel] and without [wear]", cure)

@@ -495,13 +495,23 @@ class Table(TableBase, metaclass=_TableType):
 
     internal: ClassVar[frozenset[str]] = frozenset(
         (
-            *("check_complete", "checks", "describe_array", "effect", "error_class", "find_field"),
-            *("find_parameter", "internal", "key_advice", "prepare", "table_class", "unfold"),
+            *("check_complete", "checks", "describe_array", "effect", "error_class", "excludes"),
+            *(
+                "find_field",
+                "find_parameter",
+                "internal",
+                "key_advice",
+                "prepare",
+                "table_class",
+                "unfold",
+            ),
         )
     )
     """Names that the package uses and completion leaves out."""
     effect: ClassVar[str] = ""
     """What a document without the table leaves out, for descriptions; may be empty."""
+    excludes: ClassVar[dict[str, str]] = {}
+    """Tables, keys and uses of a document that the table excludes, and why."""
     error_class: ClassVar[type[SceneError]] = SceneError
     """Class of the errors that report its faults."""
 
