@@ -294,19 +294,14 @@ class Body(Table):
         body: SurfaceResponse = self.material
         responses = {}
         for key, kind in self.parts.items():
-            if (changed := kind.change(self._given(key), body)) != body:
+            if (changed := kind.change(self.given(key), body)) != body:
                 responses[key] = body = changed
         return responses
 
-    def _given(self, key: str) -> tuple[Any, ...]:
-        """Return the tables of a key, none, one or several."""
+    def given(self, key: str) -> tuple[Any, ...]:
+        """Return the tables of a part, none, one or several."""
         value = getattr(self, key)
         return value if isinstance(value, tuple) else (value,) if value is not None else ()
-
-    def describe_parts(self) -> Iterator[tuple[str, str]]:
-        """Yield labels and texts of report rows for the parts of the body."""
-        for key, kind in self.parts.items():
-            yield from kind.describe_part(self._given(key), self.response)
 
 
 def _check_keys_of_both(entries: ValidEntries) -> Iterator[Fault]:
@@ -357,8 +352,9 @@ class Bodies(Table):
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
             text = text if body.stiffness is None else body.stiffness.describe_moduli()
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
-            for label, text in body.describe_parts():
-                yield Row(f"{label} of {name}", text, brief=True)
+            for key, kind in body.parts.items():
+                for label, text in kind.describe_part(body.given(key), body.response):
+                    yield Row(f"{label} of {name}", text, brief=True)
         if any(body.layer for body in (self.A, self.B)):
             text = "in steps" if scene.has("wear.layer_step") else "not at all"
             yield Row("layers", f"thinned by wear {text}; heat flows as in the body below")

@@ -241,7 +241,7 @@ def add_roller_gap(tables: Mapping[Any, Any], bodies: Any, load: Any) -> Mapping
         return tables  # the faults are reported when the tables are read
     tables["body"] = pair.entries()
     if not all(map(_is_complete, pair.rollers)):
-        return tables  # see `check_roller` and `check_ends`
+        return tables  # see `check_roller`
     y, separation = _find_separation(pair, loaded.tilt or 0.0)
     return {**tables, "gap": {"y": y, "separation": separation, "profile": "y"}}
 
@@ -317,45 +317,34 @@ def find_ends(pair: Any, datum: float) -> FreeEnds:
     return FreeEnds(**pair.materials, widths=(width_A, width_B), quick=quick, datum=datum)
 
 
-def check_ends(entries: ValidEntries) -> Iterator[Fault]:
-    """Report ends of a body without width, or of bodies that are crowned by their radius."""
-    names = [name for name in "AB" if entries[f"body.{name}.ends"] is not None]
-    if not names:
-        return
-    key, inf = f"body.{names[0]}.ends", math.inf
-    for name in names:
-        if entries[f"body.{name}.width"] is None:
-            yield Fault(f"body.{name}.width", "nothing, with ends", "the width of the body, mm")
-    for name in "AB":
-        body = entries[f"body.{name}"]
-        if body.profile is None and body.radius_y != inf:
-            cure = 'inf; a crown as profile = { form = "crowned", radius = ... }'
-            yield Fault(f"body.{name}.radius_y", f"{body.radius_y:g}, with {key}", cure)
-
-
 def check_roller(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a profile of a body that has no width or is crowned by its radius."""
-    profiles = {name: entries[f"body.{name}.profile"] for name in "AB"}
-    for name, profile in profiles.items():
+    """Report rollers without a width, with a crown by radius, or with a profile that has no room."""
+    names = [
+        name
+        for name in "AB"
+        if entries[f"body.{name}.profile"] is not None or entries[f"body.{name}.ends"] is not None
+    ]
+    for name in "AB" if names else ():
+        if not math.isinf(radius := entries[f"body.{name}.radius_y"]):
+            cure = 'inf: rollers are cylinders; a crown is profile = { form = "crowned", ... }'
+            yield Fault(f"body.{name}.radius_y", f"{radius:g}, beside a profile or ends", cure)
+    for name in names:
+        width, profile = (entries[f"body.{name}.{key}"] for key in ("width", "profile"))
+        if width is None:
+            cure = "the width of the body, mm, which its profile and its ends need"
+            yield Fault(f"body.{name}.width", "nothing", cure)
         if profile is None:
             continue
-        width, key = entries[f"body.{name}.width"], f"body.{name}"
-        if width is None:
-            yield Fault(
-                f"{key}.width", "nothing", "the length of the roller, mm, which profile needs"
-            )
-        elif width <= 2.0 * profile.chamfer:
+        key = f"body.{name}.profile"
+        if width is not None and width <= 2.0 * profile.chamfer:
             cure = f"less than half of the width, {0.5 * width:g} mm"
-            yield Fault(f"{key}.profile.chamfer", shorten(profile.chamfer), cure)
-        elif profile.flat >= width - 2.0 * profile.chamfer:
+            yield Fault(f"{key}.chamfer", shorten(profile.chamfer), cure)
+        elif width is not None and profile.flat >= width - 2.0 * profile.chamfer:
             cure = f"less than {width - 2.0 * profile.chamfer:g} mm, the width without chamfers"
-            yield Fault(f"{key}.profile.flat", shorten(profile.flat), cure)
-        if any(not math.isinf(entries[f"body.{each}.radius_y"]) for each in "AB"):
-            cure = "inf for both bodies: the profile is the depth below a cylinder"
-            yield Fault(f"{key}.radius_y", "a finite radius with a profile", cure)
+            yield Fault(f"{key}.flat", shorten(profile.flat), cure)
         if profile.form == "logarithmic" and profile.load is None:
             cure = "the load for which the profile is made, N; or load.normal"
-            yield Fault(f"{key}.profile.load", "nothing", cure)
+            yield Fault(f"{key}.load", "nothing", cure)
 
 
 def check_tilt(entries: ValidEntries) -> Iterator[Fault]:

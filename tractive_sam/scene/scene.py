@@ -62,7 +62,7 @@ from .inclusion import Inclusion, check_inclusions
 from .inputs import TEXTS, Gap, Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
-from .roller import add_roller_gap, check_ends, check_roller, check_tilt
+from .roller import add_roller_gap, check_roller, check_tilt
 from .schedule import ObserverTable, ProcessTable, Schedule, Transient
 from .steel import Fatigue, Residual, check_rolled_stress, find_steel
 from .tables import (
@@ -211,7 +211,6 @@ class Scene(TomlTable):
         check_rolled_stress,
         check_inclusions,
         check_roller,
-        check_ends,
         check_tilt,
         check_conformity,
     )
