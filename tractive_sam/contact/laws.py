@@ -107,7 +107,8 @@ class Laws:
 
         In place of a law of another package there is none, or homogeneous bodies.
         """
-        laws = _elasticity(scene), _friction(scene), _wear(scene)
+        elasticity = _with_layer(scene.pair.elasticity(scene), scene)
+        laws = elasticity, _friction(scene), _wear(scene)
         return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
 
     def replace(self, **laws: Any) -> "Laws":
@@ -184,11 +185,6 @@ class Laws:
             for name, law in vars(self).items()
             if fingerprint(law) != fingerprint(getattr(reference, name))
         }
-
-
-def _elasticity(scene: Scene) -> Elasticity:
-    """Return the elastic law of the bodies of a scene, with the interfacial layer."""
-    return _with_layer(scene.pair.elasticity(scene), scene)
 
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:

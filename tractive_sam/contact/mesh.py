@@ -133,7 +133,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
     if scene.body.has_ends and not length:  # the faces lie between rows, one row beyond each
-        narrow = min(required(body.width, "body.width") for body in scene.body.rollers)
+        narrow = min(required(body.width, "body.width") for body in scene.body.rollers.values())
         ny = ny if elements else max(ny, 11)
         half_length = half_length[0], 0.5 * narrow * ny / (ny - 2)
     if nx * ny > MAX_ELEMENTS:
@@ -171,7 +171,7 @@ def _extent_of_roller(
     SceneError
         If ends are so near to each other that what they add is not resolved.
     """
-    widths = [required(body.width, "body.width") for body in scene.body.rollers]
+    widths = [required(body.width, "body.width") for body in scene.body.rollers.values()]
     width = min(widths) if scene.body.has_ends else max(widths)
     modulus, radius = scene.body.contact_modulus(0.1 * width), scene.body.radii[0]
     if scene.normal_load is None:

@@ -53,10 +53,10 @@ from .friction import PreviousShare as PreviousShare
 from .friction import ScaledFriction as ScaledFriction
 from .friction import SlipDependence as SlipDependence
 from .friction import Slope as Slope
+from .hertz_contact import ContactPatch as ContactPatch
 from .hertz_contact import FlatPatch as FlatPatch
 from .hertz_contact import HertzContact as HertzContact
 from .hertz_contact import HertzLine as HertzLine
-from .hertz_contact import Patch as Patch
 from .hertz_contact import combined_radius as combined_radius
 from .hertz_contact import hertz as hertz
 from .hertz_contact import hertz_line as hertz_line

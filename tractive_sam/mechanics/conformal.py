@@ -33,11 +33,11 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.kernels.half_space import integrate_logarithm
 from tractive_sam.mechanics.elasticity import PARITIES, HalfSpaces, Material, Strips
-from tractive_sam.mechanics.hertz_contact import Patch
+from tractive_sam.mechanics.hertz_contact import ContactPatch
 
 
 @dataclass(frozen=True)
-class CurvedPatch(Patch):
+class CurvedPatch(ContactPatch):
     """Geometry and motion of a contact that curves across the track, or along it in the plane.
 
     Parameters
@@ -90,7 +90,7 @@ class CurvedPatch(Patch):
         return 0.5 * (max(self.across) - min(self.across))
 
     def normal(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return -rise sin(theta) and cos(theta) (`Patch.normal`)."""
+        """Return -rise sin(theta) and cos(theta) (`ContactPatch.normal`)."""
         theta = ((x if self.line else y) + 0.0 * (y if self.line else x)) / self.radius
         return -self.rise * np.sin(theta), np.cos(theta)
 
@@ -123,7 +123,7 @@ class CurvedPatch(Patch):
         A lateral creepage is that of a yaw: a velocity in the plane that the contact angle is
         measured from, with this component in the plane of the middle.
 
-        Parameters as in `Patch.slip`.
+        Parameters as in `ContactPatch.slip`.
         """
         if self.line:
             return super().slip(x, y, longitudinal, lateral, spin)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-class Patch(ABC):
+class ContactPatch(ABC):
     """Base class of contact patches: geometry and motion of the undeformed bodies.
 
     The defaults are those of a patch in the tangent plane. Positions x and y are broadcast.
@@ -65,8 +65,8 @@ class Patch(ABC):
 
 
 @dataclass(frozen=True)
-class FlatPatch(Patch):
-    """Patch of bodies with combined radii R_x and R_y, mm, in their tangent plane.
+class FlatPatch(ContactPatch):
+    """ContactPatch of bodies with combined radii R_x and R_y, mm, in their tangent plane.
 
     Examples
     --------

@@ -518,7 +518,7 @@ class State:
     @cached_property
     def end_load(self) -> float:
         """Load within a twentieth of the width of the free ends of the narrower body, N."""
-        width = min(body.width or math.inf for body in self.scene.body.rollers)
+        width = min(body.width or math.inf for body in self.scene.body.rollers.values())
         rows = (np.abs(self.grid.y) - 0.45 * width) / self.grid.dy + 0.5
         return self._integral(self.pressure.sum(axis=0) @ np.clip(rows, 0.0, 1.0))
 

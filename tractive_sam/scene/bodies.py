@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 
 from tractive_sam.mechanics import (
     CombinedMaterial,
+    ContactPatch,
     Elasticity,
     FlatPatch,
     HalfSpaces,
@@ -16,7 +17,6 @@ from tractive_sam.mechanics import (
     HertzLine,
     LinearHalfSpaces,
     Material,
-    Patch,
     Strips,
     SurfaceResponse,
     combine,
@@ -167,11 +167,8 @@ def _check_thermal_is_present(
 
 def _check_temperature_has_heat(entries: ValidEntries) -> Iterator[Fault]:
     """Report laws with temperature but without [heat], and wear with temperature under "uzawa"."""
-    keys = [
-        f"{table}.temperature"
-        for table in ("friction", "wear")
-        if entries[table] is not None and entries[f"{table}.temperature"] is not None
-    ]
+    keys = [f"{table}.temperature" for table in ("friction", "wear")]
+    keys = [key for key in keys if entries.get(key) is not None]
     if entries["heat"] is None:
         cure = "a [heat] table, which gives the temperature"
         yield from (Fault(key, "without [heat]", cure) for key in keys)
@@ -421,7 +418,7 @@ class Bodies(Table):
         """
         return pair(self.A.response, self.B.response, datum).at_speed(speed)
 
-    def patch(self, scene: Any) -> Patch:
+    def patch(self, scene: Any) -> ContactPatch:
         """Return the geometry and motion of the patch in the tangent plane of both bodies."""
         return FlatPatch(*self.radii)
 
@@ -469,9 +466,10 @@ class Bodies(Table):
         return bool(self.rollers)
 
     @property
-    def rollers(self) -> list[Body]:
+    def rollers(self) -> dict[str, Body]:
         """Bodies that have a profile or ends."""
-        return [body for body in (self.A, self.B) if body.profile is not None or body.ends]
+        bodies = {"A": self.A, "B": self.B}
+        return {name: body for name, body in bodies.items() if body.profile or body.ends}
 
     @property
     def has_ends(self) -> bool:

@@ -84,15 +84,17 @@ LINE_CHECKS: tuple[Check, ...] = (
 """Checks of line contacts."""
 
 
-def _check_force_has_friction(entries: ValidEntries) -> Iterator[Fault]:
-    """Report prescribed tangential forces without friction."""
-    for key in ("load.force_x", "load.force_y"):
-        if key in entries.given and entries["friction"] is None:
-            yield Fault(
-                key,
-                "without friction",
-                "a [friction] table: without friction there is no tangential force",
-            )
+def _check_friction(entries: ValidEntries) -> Iterator[Fault]:
+    """Report forces, wear and transients without friction."""
+    reasons = {
+        "load.force_x": "without friction there is no tangential force",
+        "load.force_y": "without friction there is no tangential force",
+        "wear": "without friction, of mu above 0, there is no frictional work",
+        "transient": "a transient needs it",
+    }
+    if entries["friction"] is None:
+        for key in filter(entries.given.__contains__, reasons):
+            yield Fault(key, "without friction", f"a [friction] table: {reasons[key]}")
 
 
 def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
@@ -138,13 +140,13 @@ def constant_quantities(entries: ValidEntries) -> dict[str, float | None]:
     return values | {"load.normal": _normal_load(entries), "friction.mu": entries["friction.mu"][0]}
 
 
-def _check_method_of_forces(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a method that cannot compute the creepage of a prescribed force."""
-    method = entries["solver.method"]
-    forces = [k for k in ("load.force_x", "load.force_y") if entries[k] is not None]
-    if method in ("uzawa", "anderson") and forces:
-        text = f'"auto" or "newton", which compute the creepages of {" and ".join(forces)}'
-        yield Fault("solver.method", shorten(method), text)
+def _check_method(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a method that does not solve for the creepages of forces, or the steps in time."""
+    keys = "load.force_x", "load.force_y", "transient"
+    needed = [key for key in keys if entries[key] is not None]
+    if needed and entries["solver.method"] in ("uzawa", "anderson"):
+        cure = f'"auto" or "newton", which {" and ".join(needed)} need'
+        yield Fault("solver.method", shorten(entries["solver.method"]), cure)
 
 
 def _largest_mu(entries: ValidEntries) -> tuple[float, float]:
@@ -192,27 +194,20 @@ def _limit_fault(entries: ValidEntries, keys: list[str], value: str, limit: floa
 
 
 FORCE_CHECKS: tuple[Check, ...] = (
-    _check_force_has_friction,
+    _check_friction,
     _check_force_limit,
     _check_force_limit_at_knots,
-    _check_method_of_forces,
+    _check_method,
 )
 """Checks of prescribed forces."""
 
 
-def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a missing [friction] table, and values of keys that [transient] excludes."""
-    if entries["transient"] is None:
-        return
-    friction = entries["friction"]
-    if friction is None:
-        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
-    elif friction.share is not None and friction.memory and friction.strength is not None:
+def _check_strength_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a friction law with memory and strength, which [transient] excludes."""
+    friction = entries["friction"] if entries["transient"] is not None else None
+    if friction and friction.share and friction.memory and friction.strength is not None:
         cure = "nothing: a transient with friction.memory cannot have a strength"
         yield Fault("friction.strength", "with friction.memory and [transient]", cure)
-    if entries["solver.method"] in ("uzawa", "anderson"):
-        value = f'solver.method = "{entries["solver.method"]}"'
-        yield Fault("solver.method", value, '"auto" or "newton" with [transient]')
 
 
 def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
@@ -320,7 +315,7 @@ def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
 
 
 TRANSIENT_CHECKS: tuple[Check, ...] = (
-    _check_tables_of_transient,
+    _check_strength_of_transient,
     _check_sliding_speed_exists,
     _check_wear_of_transient,
     _check_duration,
@@ -328,16 +323,6 @@ TRANSIENT_CHECKS: tuple[Check, ...] = (
     _check_step_length,
 )
 """Checks between [transient] and the other tables."""
-
-
-def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
-    """Report wear without friction."""
-    if entries["wear"] is not None and entries["friction"] is None:
-        yield Fault(
-            "wear",
-            "without friction",
-            "a [friction] table with mu above 0: without friction there is no frictional work",
-        )
 
 
 def _check_speed(entries: ValidEntries) -> Iterator[Fault]:
@@ -445,14 +430,6 @@ def _check_a_body_turns(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("wear.turns", '"each" with two bodies that are flat in x', cure)
 
 
-def _check_pressure_has_no_gap(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a Hertz pressure together with a [gap]."""
-    pressure = entries["load.pressure"]
-    if pressure is not None and entries["gap"] is not None:
-        cure = "load.normal or load.approach: a [gap] changes the Hertz contact of the radii"
-        yield Fault("load.pressure", shorten(pressure), cure)
-
-
 def _check_approach_is_positive(entries: ValidEntries) -> Iterator[Fault]:
     """Report an approach of 0 or less, counted from the first touch."""
     approach, gap = entries["load.approach"], entries["gap"]
@@ -540,7 +517,6 @@ SCENE_CHECKS: tuple[Check, ...] = (
     not_both("load.force_x", "creepage.longitudinal"),
     not_both("load.force_y", "creepage.lateral"),
     not_both("grid", "accuracy"),
-    _check_wear_has_friction,
     _check_speed,
     _check_bodies_can_touch,
     _check_excluded,
@@ -548,7 +524,6 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_grid_contains_contact,
     _check_slender_contact_has_grid,
     _check_a_body_turns,
-    _check_pressure_has_no_gap,
     _check_approach_is_positive,
     _check_share_of_wear,
     _check_inputs_of_wear_law,

@@ -402,6 +402,9 @@ class Gap(Table):
     True
     """
 
+    excludes: ClassVar[dict[str, str]] = {
+        "load.pressure": "a gap changes the Hertz contact: load.normal or load.approach",
+    }
     file: _File | None = optional("file of the measured separation")
     x: _Axis | None = optional("x of the rows of separation, mm", "an array")
     y: _Axis | None = optional("y of the columns of separation, mm", "an array")

@@ -240,7 +240,7 @@ def add_roller_gap(tables: Mapping[Any, Any], bodies: Any, load: Any) -> Mapping
     except (SceneError, TypeError):
         return tables  # the faults are reported when the tables are read
     tables["body"] = pair.entries()
-    if not all(map(_is_complete, pair.rollers)):
+    if not all(map(_is_complete, pair.rollers.values())):
         return tables  # see `check_roller`
     y, separation = _find_separation(pair, loaded.tilt or 0.0)
     return {**tables, "gap": {"y": y, "separation": separation, "profile": "y"}}
@@ -264,7 +264,7 @@ def _find_separation(
     pair: Any, tilt: float, samples: int = 801
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return positions across the track and the separation of profiles and tilt there, mm."""
-    rollers = [(body, body.shape) for body in pair.rollers]
+    rollers = [(body, body.shape) for body in pair.rollers.values()]
     places = []
     for body, profile in rollers:
         half = 0.5 * body.width - profile.chamfer
@@ -288,18 +288,17 @@ def _find_separation(
 
 def describe_rollers(pair: Any, scene: Any) -> Iterator[Row]:
     """Yield report rows: profile and tilt of rollers, how ends are modelled, and what follows."""
-    for name, body in (("A", pair.A), ("B", pair.B)):
-        if body in pair.rollers:
-            kept = {} if body.profile is None else body.profile.entries()
-            kept = {k: v for k, v in kept.items() if k not in ("y", "heights")}
-            text = ", ".join(f"{key} = {value}" for key, value in kept.items()) or "straight"
-            tilt = f"; tilt {scene.load.tilt:g} mrad" if scene.load.tilt else ""
-            if scene.load.moment is not None:
-                tilt = f"; tilt found for the moment {scene.load.moment:g} N mm"
-            ends = "" if body.ends else "; material beyond the ends counts as half-space"
-            yield Row(f"roller {name}", f"width {body.width:g} mm, {text}{tilt}{ends}")
-    widths = [body.width for body in (pair.A, pair.B) if body.ends]
-    for name, body in (("A", pair.A), ("B", pair.B)):
+    for name, body in pair.rollers.items():
+        kept = {} if body.profile is None else body.profile.entries()
+        kept = {k: v for k, v in kept.items() if k not in ("y", "heights")}
+        text = ", ".join(f"{key} = {value}" for key, value in kept.items()) or "straight"
+        tilt = f"; tilt {scene.load.tilt:g} mrad" if scene.load.tilt else ""
+        if scene.load.moment is not None:
+            tilt = f"; tilt found for the moment {scene.load.moment:g} N mm"
+        ends = "" if body.ends else "; material beyond the ends counts as half-space"
+        yield Row(f"roller {name}", f"width {body.width:g} mm, {text}{tilt}{ends}")
+    widths = [body.width for body in pair.rollers.values() if body.ends]
+    for name, body in pair.rollers.items():
         if body.ends:
             how = "no traction on the faces" if body.ends == "free" else "a factor on mirror images"
             text = f"{how} at y = +-{0.5 * body.width:g} mm; they act on pressure, tractions act "
@@ -318,18 +317,14 @@ def find_ends(pair: Any, datum: float) -> FreeEnds:
 
 
 def check_roller(entries: ValidEntries) -> Iterator[Fault]:
-    """Report rollers without a width, with a crown by radius, or with a profile that has no room."""
-    names = [
-        name
-        for name in "AB"
-        if entries[f"body.{name}.profile"] is not None or entries[f"body.{name}.ends"] is not None
-    ]
-    for name in "AB" if names else ():
+    """Report rollers without a width, crowned by their radius, or too short for their profile."""
+    rollers = entries["body"].rollers
+    for name in "AB" if rollers else ():
         if not math.isinf(radius := entries[f"body.{name}.radius_y"]):
             cure = 'inf: rollers are cylinders; a crown is profile = { form = "crowned", ... }'
             yield Fault(f"body.{name}.radius_y", f"{radius:g}, beside a profile or ends", cure)
-    for name in names:
-        width, profile = (entries[f"body.{name}.{key}"] for key in ("width", "profile"))
+    for name, body in rollers.items():
+        width, profile = body.width, body.profile
         if width is None:
             cure = "the width of the body, mm, which its profile and its ends need"
             yield Fault(f"body.{name}.width", "nothing", cure)
@@ -349,13 +344,9 @@ def check_roller(entries: ValidEntries) -> Iterator[Fault]:
 
 def check_tilt(entries: ValidEntries) -> Iterator[Fault]:
     """Report a tilt or a moment without a roller, and a moment that no tilt gives."""
-    rollers = {
-        name: entries[f"body.{name}.width"]
-        for name in "AB"
-        if entries[f"body.{name}.profile"] is not None or entries[f"body.{name}.ends"] is not None
-    }
+    widths = [body.width for body in entries["body"].rollers.values()]
     for key in ("load.tilt", "load.moment"):
-        if entries[key] is not None and not rollers:
+        if entries[key] is not None and not widths:
             cure = "only with body.A.profile or body.A.ends; for other bodies, tilt their [gap]"
             yield Fault(key, shorten(entries[key]), cure)
     moment, normal = entries["load.moment"], entries["load.normal"]
@@ -363,8 +354,8 @@ def check_tilt(entries: ValidEntries) -> Iterator[Fault]:
         return
     if normal is None:
         yield Fault("load.normal", "nothing, with load.moment", "a number above 0, N")
-    if normal is not None and rollers and None not in rollers.values():
-        most = 0.5 * min(rollers.values()) * normal
+    if normal is not None and widths and None not in widths:
+        most = 0.5 * min(widths) * normal
         if abs(moment) >= most:
             cure = f"less than {most:.6g} N mm, the load at the end of the roller"
             yield Fault("load.moment", shorten(moment), cure)

@@ -19,10 +19,10 @@ import numpy as np
 
 from tractive_sam.mechanics import (
     CombinedMaterial,
+    ContactPatch,
     HertzContact,
     HertzLine,
     Material,
-    Patch,
     Steel,
     Turns,
 )
@@ -303,7 +303,7 @@ class Scene(TomlTable):
         return self.conformal or self.body
 
     @property
-    def patch(self) -> Patch:
+    def patch(self) -> ContactPatch:
         """Geometry and motion of the undeformed bodies; not those of a wheel on a rail."""
         return self.pair.patch(self)
 

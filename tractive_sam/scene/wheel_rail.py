@@ -178,6 +178,7 @@ class WheelTable(_ProfileTable):
 
     excludes: ClassVar[dict[str, str]] = {
         "gap": "profiles give the separation",
+        "wear.turns": "rail.passes is the key of worn profiles",
         "transient": "it is not available for wheels",
         "process": "it is not available for wheels",
         "accuracy": "use a study over grid.elements",
@@ -627,9 +628,6 @@ def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("rail.passes", "without [wear]", "nothing, or a [wear] table")
     if not (wears and wheel):
         return
-    if "wear.turns" in entries.given:
-        cure = "nothing; rail.passes is the key of worn profiles"
-        yield Fault("wear.turns", "with [wheel]", cure)
     for name in ("subsurface", "fatigue"):
         if entries[name] is not None:
             cure = f"no [{name}] together with [wear]: leave [wear] out, for new or worn profiles"
