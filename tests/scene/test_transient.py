@@ -65,7 +65,7 @@ GOOD = {"distance": [0.0, 1.0, 2.0], "creepage.longitudinal": [0.0, -1e-3, 0.0]}
         ),
         ({"wear": {"intensity": 1e-6}, "transient": None}, "wear.revolutions"),
         ({"friction": None}, "transient"),
-        ({"grid": None, "accuracy": {"tolerance": 1e-2}}, "transient"),
+        ({"grid": None, "accuracy": {"tolerance": 1e-2}}, "accuracy"),
         ({"solver.method": "uzawa"}, "solver.method"),
         ({"friction.layer": 1e-4}, "friction.layer"),
     ],
