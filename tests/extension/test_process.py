@@ -129,7 +129,7 @@ def test_a_file_is_read_where_the_package_is_not_installed(tmp_path):
         ({"process.name": "not_installed:Drive"}, "process.name"),
         ({"process.strokes": 3}, "process.strokes"),
         ({"fatigue": {"shear_yield": 300.0}}, "fatigue"),
-        ({"transient": {"distance": [0, 1]}}, "process"),
+        ({"transient": {"distance": [0, 1]}}, "transient"),
         ({"wear.revolutions": 9}, "wear.revolutions"),
         ({"process.save": [0, 9]}, "process.save"),
     ],
