@@ -171,7 +171,7 @@ class AroundInclusions(_ContactObserver):
     def applications(self, model: Model) -> float:
         """Return the elastic responses for contacts that inclusions lift, by record.
 
-        Measured on meshes of 21 to 121; boxes of cells have a time of their own.
+        Measured on meshes of 21 to 121; boxes of cells are counted apart.
         """
         lifted = sum(
             any(model.scene.inclusion[k].lifts for k in group)
