@@ -9,7 +9,7 @@ from scipy.integrate import trapezoid
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.results import Status
 from tractive_sam.rolling import steps
-from tractive_sam.rolling.passage import passage_at, wear_response
+from tractive_sam.rolling.passage import RowContact, passage_at, wear_response
 from tractive_sam.scene import Scene
 
 COARSE = ("grid.half_length=[0.35, 0.8]", "grid.elements=[21, 35]", "friction.angle=0")
@@ -150,6 +150,52 @@ def test_response_is_near_the_derivative_of_the_wear_of_a_pass(passage):
 def test_response_damps(passage):
     response = wear_response(Model(passage.contact.scene), passage.contact)
     assert np.linalg.eigvals(response).real.max() < 1e-12
+
+
+@pytest.fixture
+def rows(passage):
+    model, contact = Model(passage.contact.scene), passage.contact
+    return RowContact(model, contact, 1.0, passage.entering, passage.worn, closing=1e-3)
+
+
+def test_rows_wear_at_their_profile_as_their_contact(rows, passage):
+    response, rate = rows.linear(rows.touching)
+    # To the roundoff of an inverse of some tens of rows.
+    expected, scale = passage.worn, passage.worn.max()
+    np.testing.assert_allclose(rate + response @ passage.entering, expected, atol=1e-10 * scale)
+    np.testing.assert_array_equal(rows.update(rows.touching, passage.entering), rows.touching)
+    of_contact = wear_response(Model(passage.contact.scene), passage.contact)
+    inside = np.flatnonzero(passage.worn)[2:-2]  # rows beside have other elements
+    block = np.ix_(inside, inside)
+    np.testing.assert_allclose(
+        response[block], of_contact[block], atol=0.1 * np.abs(response).max()
+    )
+
+
+def test_rows_carry_the_load_or_are_open(rows, passage):
+    """A deep groove opens the middle and brings rows beside the contact into it."""
+    middle = np.abs(Model(passage.contact.scene).grid.y) < 0.1
+    profile, touching = passage.entering + np.where(middle, 2e-3, 0.0), rows.touching
+    for _ in range(20):
+        touching, before = rows.update(touching, profile), touching
+        if np.array_equal(touching, before):
+            break
+    assert np.array_equal(touching, before)
+    response, rate = rows.linear(touching)
+    rate += response @ profile
+    assert not touching[middle[rows.rows]].any()
+    assert (touching & ~rows.touching).any()
+    assert (rate[rows.rows[touching]] > 0.0).all()
+    np.testing.assert_array_equal(np.flatnonzero(rate), rows.rows[touching])
+
+
+def test_jumps_pass_several_rows_that_come_into_contact():
+    """A solve that is repeated in each jump would double the 27 contacts."""
+    wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
+    adaptive = rolled(4000, *wide, "wear.save=[0, 4000]")
+    assert sum(p.solves for p in adaptive) <= 32
+    rows = [np.count_nonzero(adaptive[k].contact.touching.any(axis=0)) for k in (0, -1)]
+    assert rows[1] > rows[0] + 10  # 19 and 37
 
 
 @pytest.mark.slow

@@ -280,7 +280,7 @@ def test_a_mesh_that_grows_during_the_run_changes_nothing():
 
 @pytest.mark.slow
 def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkeypatch):
-    def away(model, last, jump, response):
+    def away(model, last, jump, rows):
         contact = replace(last.contact, status=ts.solvers.Status.OFF_GRID)
         far = replace(last, contacts=(contact,), revolution=last.revolution + jump, observed={})
         return far, math.inf

@@ -250,7 +250,7 @@ class Passage(Step):
     @property
     def worn(self) -> np.ndarray:
         """Depth that one pass wears off both bodies, weighted mean of blocks, (n_y,), mm."""
-        return _weighted_mean(self.weights, map(_depth_of_pass, self.contacts))
+        return _weighted_mean(self.weights, map(depth_of_pass, self.contacts))
 
     @property
     def gained(self) -> np.ndarray:
@@ -259,7 +259,7 @@ class Passage(Step):
         It is the part of the wear of each pass that returns to the contact (see `Turns`).
         """
         contacts = zip(self.turns, self.contacts, strict=True)
-        gained = (turns.gain * _depth_of_pass(contact) for turns, contact in contacts)
+        gained = (turns.gain * depth_of_pass(contact) for turns, contact in contacts)
         return _weighted_mean(self.weights, gained)
 
     @property
@@ -267,7 +267,7 @@ class Passage(Step):
         """Depth that each block adds to each body in this revolution, (blocks, 2, n_y), mm."""
         each = zip(self.weights, self.turns, self.contacts, strict=True)
         gained = [
-            [w * turns.per_count[body] * turns.share[body] * _depth_of_pass(c) for body in "AB"]
+            [w * turns.per_count[body] * turns.share[body] * depth_of_pass(c) for body in "AB"]
             for w, turns, c in each
         ]
         return np.array(gained)
@@ -307,7 +307,7 @@ class Passage(Step):
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
             return self._initial_depth(body) + self.turns[0].depth_behind(body, *depths)
         each = zip(self.turns, self.contacts, strict=True)
-        depths = (turns.share[body] * _depth_of_pass(contact) for turns, contact in each)
+        depths = (turns.share[body] * depth_of_pass(contact) for turns, contact in each)
         return self._entering_of(body) + _weighted_mean(self.weights, depths)
 
     def mean_depth(self, body: str) -> np.ndarray:
@@ -318,7 +318,7 @@ class Passage(Step):
         return self._entering_of(body) + self.gained_by_block[:, "AB".index(body)].sum(axis=0)
 
 
-def _depth_of_pass(contact: State) -> np.ndarray:
+def depth_of_pass(contact: State) -> np.ndarray:
     """Return the depth that one pass wears off both bodies, shape (n_y,), mm."""
     return contact.wear[0] - contact.wear[-1]
 
@@ -452,40 +452,7 @@ def passage_at(
     return Passage(tuple(contacts), revolution, solves, **of_model)
 
 
-def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
-    """Return the Jacobian of wear per revolution by the profile, mean of blocks, (n_y, n_y).
-
-    Its weights are the shares of the blocks, with sum 1 (`Passage.weights`).
-
-    Parameters
-    ----------
-    model : Model
-        The scene in numbers.
-    passage : Passage
-        The contacts at the profile.
-    closing : float
-        See `wear_response`.
-    """
-    each = zip(passage.weights, block_responses(model, passage, closing), strict=True)
-    return np.sum([weight * response for weight, response in each], axis=0)
-
-
-def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
-    """Return, for each block, the Jacobian of wear per revolution by the profile, (n_y, n_y).
-
-    Returns
-    -------
-    list of ndarray, shape (n_y, n_y)
-        1/revolution.
-    """
-    each = zip(model.blocks, passage.turns, passage.contacts, strict=True)
-    return [
-        np.reshape(turns.gain, (-1, 1)) * wear_response(block, contact, closing)
-        for block, turns, contact in each
-    ]
-
-
-def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
+def wear_response(model: Model, contact: State) -> np.ndarray:
     """Return the approximate Jacobian of the wear of a pass by the entering profile, (n_y, n_y).
 
     Material that is worn deeper carries less pressure, by the compliance between rows at constant
@@ -500,9 +467,6 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
         The scene in numbers.
     contact : State
         The contact at the profile.
-    closing : float
-        Elements with a gap up to this count as in contact, mm: they will soon be. A row that comes
-        into contact during a jump is as stiff as its neighbours.
 
     Returns
     -------
@@ -512,17 +476,110 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
     response = np.zeros((model.grid.elements[1],) * 2)
     if not contact.touching.any():
         return response
-    touching = contact.touching | (contact.gap <= closing)
-    rows = np.flatnonzero(touching.any(axis=0))
-    compliance = row_compliance(model.operators, touching)
-    stiffness = np.linalg.inv(compliance)
-    if model.load is not None:
-        # A uniform depth only moves the bodies closer.
-        uniform = stiffness.sum(axis=1)
-        stiffness = stiffness - np.outer(uniform, stiffness.sum(axis=0)) / uniform.sum()
-    per_load = _wear_per_load(model, contact)[rows]
-    response[np.ix_(rows, rows)] = -per_load[:, None] * stiffness
+    rows = np.flatnonzero(contact.touching.any(axis=0))
+    stiffness, _ = _row_stiffness(model, row_compliance(model.operators, contact.touching))
+    response[np.ix_(rows, rows)] = -_wear_per_load(model, contact)[rows, None] * stiffness
     return response
+
+
+def _row_stiffness(model: Model, compliance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return loads of rows by their displacements, and their shares in a prescribed load.
+
+    The compliance is that of the rows in contact. Without a prescribed load the shares are zero.
+    """
+    stiffness = np.linalg.inv(compliance)
+    if model.load is None:
+        return stiffness, np.zeros(len(compliance))
+    # A uniform depth only moves the bodies closer.
+    uniform = stiffness.sum(axis=1)
+    shares = uniform / uniform.sum()
+    return stiffness - np.outer(shares, stiffness.sum(axis=0)), shares
+
+
+class RowContact:
+    """Wear of the rows of elements of one contact for profiles near its own.
+
+    A row carries load, and wears in proportion to it, or its gap is open. Loads and gaps change by
+    the compliance between rows; slip and the ratio of wear to load are those of the contact.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers, of the block of the contact.
+    contact : State
+        The contact.
+    gain : ndarray, shape (n_y,), or float
+        Depth that a revolution adds over that of the pass.
+    profile, rate : ndarray, shape (n_y,)
+        Profile at which the rows wear by `rate`, mm and mm per revolution.
+    closing : float
+        Rows with a gap up to this may come into contact, mm.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        contact: State,
+        gain: np.ndarray | float,
+        profile: np.ndarray,
+        rate: np.ndarray,
+        closing: float,
+    ) -> None:
+        # Elements beside the contact, once they touch, carry little: a tenth of those that close.
+        footprint = 0.1
+        gap = np.where(contact.touching, 0.0, contact.gap)
+        lowest = gap.min(axis=0)
+        near = (gap <= lowest + footprint * closing) & (lowest <= closing)
+        touching = contact.touching | (near if contact.touching.any() else False)
+        self.rows = np.flatnonzero(touching.any(axis=0))
+        """Rows that are or may come into contact."""
+        self.touching = rate[self.rows] > 0.0
+        """Rows in contact at the profile, shape of `rows`."""
+        self._model, self._elements = model, profile.size
+        self._cached = dict[bytes, tuple[np.ndarray, np.ndarray]]()
+        if not self.rows.size:
+            return
+        self._compliance = row_compliance(model.operators, touching)
+        per_load = (gain * _wear_per_load(model, contact))[self.rows]
+        self._per_load = np.maximum(per_load, 1e-300)
+        load = rate[self.rows] / self._per_load
+        self._load = load.sum()
+        open_ = np.where(self.touching, 0.0, lowest[self.rows])
+        # Where rows touch, the profile and the displacement by their loads add up to this.
+        self._sum = self._compliance @ load + profile[self.rows] - open_
+
+    def linear(self, touching: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return J, (n_y, n_y), and R_0, (n_y,), of the wear rate R_0 + J E of a profile E.
+
+        `touching` are the rows of `rows` in contact; the others do not wear.
+        """
+        key = touching.tobytes()
+        if key not in self._cached:
+            response, rate = np.zeros((self._elements,) * 2), np.zeros(self._elements)
+            if touching.any():
+                stiffness, shares = _row_stiffness(
+                    self._model, self._compliance[np.ix_(touching, touching)]
+                )
+                here, per_load = self.rows[touching], self._per_load[touching]
+                response[np.ix_(here, here)] = -per_load[:, None] * stiffness
+                load = stiffness @ self._sum[touching] + shares * self._load
+                rate[here] = per_load * load
+            self._cached[key] = response, rate
+        return self._cached[key]
+
+    def update(self, touching: np.ndarray, profile: np.ndarray) -> np.ndarray:
+        """Return the rows in contact: of `touching` those with load, of the others the overlapping.
+
+        Both at the profile, with the load on the rows of `touching`.
+        """
+        if not touching.any():
+            return touching
+        response, rate = self.linear(touching)
+        rate = (rate + response @ profile)[self.rows]
+        gap = profile[self.rows] + self._compliance @ (rate / self._per_load) - self._sum
+        if self._model.load is not None:
+            gap -= gap[touching].mean()
+        return np.where(touching, rate > 0.0, gap < -1e-9 * np.abs(self._sum).max())
 
 
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:

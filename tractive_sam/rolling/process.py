@@ -734,8 +734,7 @@ class Process(ABC, Generic[AnyStep]):
 
 
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
-"""Safety factor and bounds of the change of a step. With variable steps the two-step formula of
-`rolling.revolutions` is stable up to a growth by 2.4."""
+"""Safety factor and bounds of the change of a step."""
 
 
 @dataclass(frozen=True)

@@ -3,36 +3,26 @@
 The profile with which material enters obeys E(n + 1) = E(n) + R(E(n)), with R the lasting part of
 the wear of a pass. Over many revolutions that is stiff: short waves of the profile decay within
 tens of them, which limits every explicit jump to 40-75 on the paper's mesh, while the profile
-evolves over thousands. The two-step backward differentiation formula damps the shortest waves in a
-jump of any length.
+evolves over thousands. At the rim, rows of elements come into contact one after the other, and no
+formula that extrapolates the rate holds across that.
+
+A jump therefore integrates a model of the rows, each with a load or an open gap
+(`passage.RowContact`), by a stiff method in a few steps that need no contact. What the rate of the
+solved contacts misses in the model is smooth; it is a polynomial through the last of them. One
+contact is solved at the profile that this predicts. Its model, with what it misses in the contacts
+before, then gives the profile from which the next jump starts, and the difference of the two the
+error.
 
 A sum is not an integral. For the profile halfway through a revolution, F = E + R/2, it nearly is:
 by Euler and Maclaurin, F(m) - F(n) = integral of R dn + (R'(m) - R'(n))/12, and the last term is
 small against the error of any jump longer than one revolution. A jump of one is the pass, which
-needs no formula. Made linearly implicit in the response J of `rolling.passage`,
-
-    c_0 F_n + c_1 F_(n-1) + c_2 F_(n-2) = R* + J (E_n - E*),
-
-with rate and profile extrapolated, R* and E*, from the two revolutions before, it has second order
-for any approximation of J (as IMEX methods do: Ascher, Ruuth & Wetton 1995, SIAM J. Numer. Anal.
-32, 797-823), and a jump costs one contact. The difference between the computed and the expected
-rate gives the error and corrects the profile from which the next jump starts: one Newton step of
-the implicit formula at no cost.
-
-The formula misses dF/dn by a third of the difference between the rate R and its extrapolation. For
-long waves that third is corrected, which makes the order three. For short waves it remains, by the
-factor (1 - J/c_0)^-1, with which the formula is stable at any length and for growths of the jumps
-up to 2.
-
-At the rim, rows of elements come into contact one after the other, and no multi-step formula holds
-across that. These rows wear from the moment at which their gap has closed, at a rate that grows
-from zero.
+needs no formula.
 """
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from math import ceil, inf, sqrt
 from typing import ClassVar
 
@@ -44,11 +34,11 @@ from tractive_sam.rolling.observers import Damage
 from tractive_sam.rolling.passage import (
     Passage,
     ProfilePoint,
+    RowContact,
     attribute_wear,
-    block_responses,
     complete_passage,
+    depth_of_pass,
     first_passage,
-    mean_wear_response,
     next_passage,
     passage_at,
     start_passage,
@@ -72,12 +62,12 @@ Errors of the jumps in which rows come into contact add up, and a strict toleran
 With these values the error of the profile of `twin-discs` is proportional to the tolerance, and up
 to three times as large (benchmarks/wear.py)."""
 
-REPEATS, ROUGHNESS = 2, 0.3
-"""A jump is solved again at the corrected profile, at most this often, while the correction changes
-the wear rate of a row, and with it its pressure, by more than this share of the largest: a row that
-came into contact during the jump first carries far too much or too little load."""
+SUBSTEPS, IMPLICIT = 4, 1.0 - sqrt(0.5)
+"""Largest number of steps of the rows within a jump, and least revolutions of one; diagonal of the
+two-stage method of second order that damps the shortest waves (Alexander 1977, SIAM J. Numer. Anal.
+14, 1006-1021)."""
 
-SETTLING, SETTLED = 0.35, 0.3
+SETTLING, SETTLED = 0.7, 0.3
 """Longest jump over the distance to the next revolution that is saved, and the final jump, over the
 time in which the shortest waves decay.
 
@@ -90,7 +80,7 @@ def adaptive_passages(
 ) -> Iterator[Passage]:
     """Yield the passages in adaptive or fixed jumps, up to the last or an unsolved one.
 
-    Each jump costs one contact; more if rows come into contact, or if it is refused and repeated.
+    Each jump costs one contact; more if it is refused and repeated, or if the mesh has grown.
 
     Parameters
     ----------
@@ -116,10 +106,8 @@ def adaptive_passages(
 def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedSteps) -> Passage:
     """Return the passage after the longest jump of revolutions with a tolerated error."""
     model = process.model
-    # While the rows in contact wear down, the bodies approach each other at the next rows.
-    closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
-    responses = block_responses(model, last, closing)
-    each = zip(last.weights, responses, strict=True)
+    rows = _RowModel(model, last, last.course[-1], last.jump)
+    each = zip(last.weights, rows.responses, strict=True)
     response = np.sum([weight * block for weight, block in each], axis=0)
     fastest = np.abs(np.diag(response)).max()
     settled = int(SETTLED / max(fastest, 1e-12))
@@ -132,12 +120,13 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
     step = control.first(last.revolution, int(longest), settled)
     solves = 0
     while True:
-        jump = _roll if step.length == 1 else jump_on
-        end, error = jump(model, last, int(step.length), response)
+        if step.length < rows.jump:
+            rows = _RowModel(model, last, last.course[-1], int(step.length))
+        end, error = jump_on(model, last, int(step.length), rows)
         solves += end.solves
         end = attribute_wear(last, end)
         if control.accepts(error) or step.length == 1:
-            end = process.observe(replace(end, responses=responses), last)
+            end = process.observe(replace(end, responses=rows.responses), last)
             error = max([error, *(observer.missed(model) for observer in end.observed.values())])
         is_outgrown = end.is_outgrown and not model.scene.has_fixed_domain
         if control.accepts(error) or step.length == 1 or is_outgrown:
@@ -147,97 +136,109 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
         step = control.shorter(step, error)
 
 
-@dataclass(frozen=True, eq=False)
-class _TwoStepFormula:
-    """Two-step implicit formula that extrapolates the worn profile over a jump.
+class _RowModel:
+    """Wear rate of all blocks of a passage by their rows, and the profile that it gives.
 
-    A row of elements that comes into contact during the jump has a separate formula.
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    passage : Passage
+        The passage whose contacts the rows are from.
+    point : ProfilePoint
+        Its profile, and the rate at this profile.
+    jump : int
+        Revolutions in which further rows may come into contact.
     """
 
-    jump: int
-    here: ProfilePoint
-    """Start of the jump."""
-    past: np.ndarray
-    """c_1 F_(n-1) + c_2 F_(n-2), per revolution."""
-    profile: np.ndarray
-    """E*, the extrapolated profile."""
-    rate: np.ndarray
-    """R*, the extrapolated rate."""
-    leading: np.ndarray
-    """c_0 of each row, 1/revolution."""
-    worn_before: np.ndarray
-    """Rows that can be extrapolated: those worn two solved revolutions ago."""
-    third: float
-    """Error of dF/dn by the formula, over the difference between the rate and R*."""
-
-    @classmethod
-    def from_course(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_TwoStepFormula":
-        """Return the formula of a jump, in revolutions, from the last one or two solved ones."""
-        last, worn_before = course[-1], course[0].rate > 0.0
-        if len(course) == 1:
-            leading = np.full(last.profile.size, 1.0 / jump)
-            past = -leading * last.halfway
-            return cls(jump, last, past, last.profile, last.rate, leading, worn_before, 0.0)
-        before = course[-2]
-        ratio = jump / (last.revolution - before.revolution)
-        leading = np.full(last.profile.size, (1.0 + 2.0 * ratio) / (1.0 + ratio) / jump)
-        past = (ratio**2 / (1.0 + ratio) * before.halfway - (1.0 + ratio) * last.halfway) / jump
-        profile = last.profile + ratio * (last.profile - before.profile)
-        rate = last.rate + ratio * (last.rate - before.rate)
-        return cls(jump, last, past, profile, rate, leading, worn_before, 1.0 / 3.0)
-
-    def with_new_rows(
-        self, response: np.ndarray, open_: np.ndarray, profile: np.ndarray, rate: np.ndarray
-    ) -> "_TwoStepFormula":
-        """Return the formula with separate coefficients for rows new in contact, if any.
-
-        Their gaps close at a constant rate. Once they touch, the closing gap would wear them at a
-        rate that grows from zero if they did not wear; on average they wear at half the last rate.
-        """
-        new = ~self.worn_before & (self.here.rate <= 0.0) & (rate > 0.0)
-        if not new.any():
-            return self
-        unworn = rate - np.diag(response) * (profile - self.here.profile)
-        closing = unworn + open_  # zero if a row only touches
-        part = np.divide(unworn, closing, out=np.ones_like(closing), where=new & (closing > 0.0))
-        in_contact = np.maximum(part * self.jump, 1.0)  # revolutions of the jump
-        leading = np.where(new, 2.0 / in_contact, self.leading)
-        past = np.where(new, -leading * self.here.profile, self.past)
-        return replace(self, leading=leading, past=past)
+    def __init__(self, model: Model, passage: Passage, point: ProfilePoint, jump: int = 0) -> None:
+        self.jump = jump
+        self._point, self._weights = point, passage.weights
+        grown = _growth(point.rate, passage)
+        # While the rows in contact wear down, the bodies approach each other at the next rows.
+        closing = jump * float(passage.gained.max())
+        each = zip(model.blocks, passage.turns, passage.contacts, strict=True)
+        self._blocks = [
+            RowContact(
+                block,
+                contact,
+                turns.gain,
+                point.profile,
+                grown * turns.gain * depth_of_pass(contact),
+                closing,
+            )
+            for block, turns, contact in each
+        ]
+        self._inverses = dict[tuple[bytes, float], np.ndarray]()
+        self._touching = [block.touching for block in self._blocks]
 
     @property
-    def _share(self) -> np.ndarray:
-        """Coefficient of the wear rate in the formula, for each row of elements (one y)."""
-        return 1.0 - 0.5 * self.leading
+    def responses(self) -> list[np.ndarray]:
+        """Response of the wear of each block to the profile, (n_y, n_y), 1/revolution."""
+        return [block.linear(block.touching)[0] for block in self._blocks]
 
-    def _solve(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return (c_0 - J)^-1 times a wear rate, mm; rows out of contact: rate / c_0."""
-        rows = np.flatnonzero(response.any(axis=0) | response.any(axis=1))
-        system = -self._share[rows, None] * response[np.ix_(rows, rows)]
-        system.flat[:: rows.size + 1] += self.leading[rows]
-        solution = rate / self.leading
-        solution[rows] = np.linalg.solve(system, rate[rows])
-        return solution
+    def _rate(self, known: np.ndarray, share: float, missed: np.ndarray | float) -> np.ndarray:
+        """Return the rate R of the profile known + share R, plus `missed` in rows in contact."""
+        changes = 30  # of the rows in contact; each solves a linear system
+        for _ in range(changes):
+            each = zip(self._weights, self._blocks, self._touching, strict=True)
+            parts = [(weight, block.linear(touching)) for weight, block, touching in each]
+            response = np.sum([weight * part[0] for weight, part in parts], axis=0)
+            rate = np.sum([weight * part[1] for weight, part in parts], axis=0)
+            rows = np.flatnonzero(rate)
+            key = b"".join(touching.tobytes() for touching in self._touching), share
+            if key not in self._inverses:
+                system = np.eye(rows.size) - share * response[np.ix_(rows, rows)]
+                self._inverses[key] = np.linalg.inv(system)
+            source = rate + response @ known + missed
+            rate = np.zeros_like(rate)
+            rate[rows] = self._inverses[key] @ source[rows]
+            profile = known + share * rate
+            pairs = zip(self._blocks, self._touching, strict=True)
+            updated = [block.update(touching, profile) for block, touching in pairs]
+            if all(map(np.array_equal, updated, self._touching)):
+                break
+            self._touching = updated
+        return np.maximum(rate, 0.0)
 
-    def predict(self, response: np.ndarray, offset: np.ndarray) -> np.ndarray:
-        """Return the profile E at the end of the jump; its wear rate is R = offset + J E."""
-        return self._solve(response, self._share * offset - self.past)
+    def _missed(self, points: Sequence[ProfilePoint]) -> Callable[[float], np.ndarray | float]:
+        """Return what the rate of the rows misses, a polynomial through points of the course."""
+        others = [point for point in points if point.revolution != self._point.revolution]
+        places = [self._point.revolution, *(point.revolution for point in others)]
+        values = []
+        for point in others:
+            self._touching = [point.rate[block.rows] > 0.0 for block in self._blocks]
+            smooth = (point.rate > 0.0) & (self._point.rate > 0.0)
+            missed = point.rate - self._rate(point.profile, 0.0, 0.0)
+            values.append(np.where(smooth, missed, 0.0))
 
-    def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the Newton correction, mm, of a predicted profile; rows without wear miss nothing.
+        def interpolate(revolution: float) -> np.ndarray | float:
+            total: np.ndarray | float = 0.0
+            for place, value in zip(places[1:], values, strict=True):
+                factors = [(revolution - at) / (place - at) for at in places if at != place]
+                total = total + math.prod(factors) * value
+            return total
 
-        `response` is the Jacobian of the rate with respect to the profile, 1/revolution.
+        return interpolate
+
+    def follow(self, course: Sequence[ProfilePoint], start: int, end: int) -> ProfilePoint:
+        """Return the profile and rate at the revolution `end` from those at the point `start`.
+
+        The points of the course are those at which a contact was solved.
         """
-        missed = self._share * rate - self.leading * profile - self.past
-        return self._solve(response, np.where(rate > 0.0, missed, 0.0))
-
-    def third_order_correction(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the correction, mm, that removes the formula's leading error from a profile."""
-        # (c_0 - J)^-1 turns a missing rate into a correction of the profile; c_0 (c_0 - J)^-1
-        # then restricts it to long waves, which have rates with a smooth course.
-        smooth = self.worn_before & (rate > 0.0)
-        missed = np.where(smooth, self.third * (self.rate - rate), 0.0)
-        return self.leading * self._solve(response, self._solve(response, missed))
+        missed, here = self._missed(course), course[start]
+        jump = end - here.revolution
+        count = max(1, min(SUBSTEPS, jump // SUBSTEPS))
+        length, stage = jump / count, IMPLICIT * jump / count
+        self._touching = [here.rate[block.rows] > 0.0 for block in self._blocks]
+        halfway = here.halfway
+        for k in range(count):
+            at = here.revolution + k * length
+            rate = self._rate(halfway, stage - 0.5, missed(at + stage))
+            known = halfway + (length - stage) * rate
+            rate = self._rate(known, stage - 0.5, missed(at + length))
+            halfway = known + stage * rate
+        return ProfilePoint(end, np.maximum(halfway - 0.5 * rate, here.profile), rate)
 
 
 def _wear_tolerance(model: Model) -> float:
@@ -254,106 +255,35 @@ def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarr
     return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
 
 
-def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
-    """Return the passage one revolution later, and the error of the next jump over tolerance."""
-    here, formula = last.course[-1], _TwoStepFormula.from_course(last.course, jump)
-    predicted, expected, response = _predict(last, formula, response)
-    profile = here.profile + here.rate if last.revolution else here.profile
-    revolution = last.revolution + 1
-    grown = _growth(expected, last)
-    end = passage_at(model, revolution, profile, last.contacts, _wear_tolerance(model), grown)
-    if not end.converged:
-        return end, np.inf
-    # A pass needs no formula: the error belongs to the next, longer jump. The rate computed at the
-    # true profile is moved to the profile that the formula predicts.
-    rate = end.gained + response @ (predicted - profile)
-    error = _relative_correction(model, formula.correction(response, predicted, rate), profile)
-    # Unworn bodies cannot be extrapolated: nothing wears in their contact.
-    course = (here, *end.course) if last.revolution else end.course
-    return replace(end, course=course), error
-
-
-def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
+def jump_on(model: Model, last: Passage, jump: int, rows: _RowModel) -> tuple[Passage, float]:
     """Return the passage after a jump of revolutions, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
-    formula = _TwoStepFormula.from_course(last.course, jump)
-    open_ = _rate_lost_to_gap(last, response)
-    profile, expected, response = _predict(last, formula, response)
-    lag = _wear_tolerance(model)
-    end = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))
-    solves, error = 0, np.inf
-    for repeats in range(1 + REPEATS):
+    course = last.course
+    if jump > LONGEST_GROWTH * (here.revolution - course[0].revolution):
+        course = course[-1:]  # nearer points do not tell the course of the rate over the jump
+    expected, end = rows.follow(course, -1, revolution), last
+    lag, solves = _wear_tolerance(model), 0
+    # Rows of a mesh that has just grown have unknown gaps: the first contact predicts the second.
+    for _ in range(1 if np.isfinite(last.contact.gap).all() else 2):
+        # A jump of one revolution is the pass; unworn bodies do not wear in their contact.
+        profile = here.profile + here.rate if jump == 1 else expected.profile
+        grown = _growth(expected.rate, end)
+        end = passage_at(model, revolution, profile, end.contacts, lag, grown)
         solves += end.solves
-        if not end.converged:
+        if not end.converged or not last.revolution:
             return replace(end, solves=solves), np.inf
-        fitting = formula.with_new_rows(response, open_, profile, end.gained)
-        correction = fitting.correction(response, profile, end.gained)
-        if repeats == 0:
-            error = _relative_correction(model, correction, profile)
-        correction += fitting.third_order_correction(response, end.gained + response @ correction)
-        corrected = np.maximum(profile + correction, here.profile)  # wear cannot decrease
-        # The contact is solved again after the correction only if a rate changes by much: then the
-        # response of the contact before does not predict the change.
-        change = response @ correction
-        smooth = np.abs(change).max() <= ROUGHNESS * end.gained.max()
-        if error > 1.0 or smooth or repeats == REPEATS:
-            break
-        profile, expected = corrected, np.maximum(end.gained + change, 0.0)
-        end = passage_at(model, revolution, profile, end.contacts, lag, _growth(expected, end))
-        response = mean_wear_response(model, end)
-    reached = ProfilePoint(revolution, corrected, end.gained + change)
-    return replace(end, solves=solves, course=(here, reached)), error
+        point = ProfilePoint(revolution, profile, end.gained)
+        reached = _RowModel(model, end, point).follow((*course, point), -2, revolution)
+        error = _relative_correction(model, reached.profile - expected.profile, profile)
+        expected = reached
+    end = replace(end, solves=solves)
+    return replace(end, course=(here, point if jump == 1 else reached)), error
 
 
 def _growth(expected: np.ndarray, last: Passage) -> np.ndarray:
     """Return the expected wear rate of each row over its last rate; 0 for rows without wear."""
     wears = last.gained > 0.0
     return np.divide(expected, last.gained, out=np.zeros_like(expected), where=wears)
-
-
-def _rate_lost_to_gap(last: Passage, response: np.ndarray) -> np.ndarray:
-    """Return the wear rate that the open gap of each row costs, mm per revolution."""
-    stiffness = -np.diag(response)
-    near = stiffness > 0.0
-    gap = np.min([contact.gap.min(axis=0) for contact in last.contacts], axis=0)
-    return np.where(near, stiffness * np.where(near, gap, 0.0), 0.0)
-
-
-def _predict(
-    last: Passage, formula: _TwoStepFormula, response: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return predicted profile and wear rate after a jump, and the response of rows in contact.
-
-    Rows that were not worn two solved revolutions ago cannot be extrapolated. They start from the
-    last revolution, and carry no pressure before their gap has closed; if it does not close they
-    stay out of contact.
-    """
-    # Iterations of the formula of rows that come into contact, which depends on when they do.
-    new_rows = 4
-    here, new, open_ = formula.here, ~formula.worn_before, _rate_lost_to_gap(last, response)
-    # R = offset + J E is linear about the extrapolated state, for new rows about the last one; the
-    # remaining gap acts like a negative pressure.
-    offset = np.where(
-        new, here.rate - response @ here.profile - open_, formula.rate - response @ formula.profile
-    )
-    response = response.copy()
-    while True:
-        fitting = formula
-        for _ in range(new_rows):
-            profile = fitting.predict(response, offset)
-            expected = offset + response @ profile
-            before, fitting = fitting, formula.with_new_rows(response, open_, profile, expected)
-            if fitting is before:
-                break
-        # A row out of contact neither wears nor responds. Without it the others carry more, so they
-        # are predicted again; rows only leave, so this ends.
-        open_rows = new & (expected < 0.0)
-        if not open_rows.any():
-            return np.maximum(profile, here.profile), np.maximum(expected, 0.0), response
-        offset[open_rows] = 0.0
-        response[open_rows] = 0.0
-        response[:, open_rows] = 0.0
-        new &= ~open_rows
 
 
 class Forecast:
