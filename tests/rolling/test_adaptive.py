@@ -167,15 +167,17 @@ def test_rows_wear_at_their_profile_as_their_contact(rows, passage):
     of_contact = wear_response(Model(passage.contact.scene), passage.contact)
     inside = np.flatnonzero(passage.worn)[2:-2]  # rows beside have other elements
     block = np.ix_(inside, inside)
+    # Elements that come into contact beside those of a row make it stiffer by a seventh.
     np.testing.assert_allclose(
-        response[block], of_contact[block], atol=0.1 * np.abs(response).max()
+        response[block], of_contact[block], atol=0.15 * np.abs(response).max()
     )
 
 
 def test_rows_carry_the_load_or_are_open(rows, passage):
-    """A deep groove opens the middle and brings rows beside the contact into it."""
-    middle = np.abs(Model(passage.contact.scene).grid.y) < 0.1
-    profile, touching = passage.entering + np.where(middle, 2e-3, 0.0), rows.touching
+    """A deep groove opens the middle and brings rows beside the contact into it, as solved."""
+    model = Model(passage.contact.scene)
+    middle = np.abs(model.grid.y) < 0.25
+    profile, touching = passage.entering + np.where(middle, 4e-3, 0.0), rows.touching
     for _ in range(20):
         touching, before = rows.update(touching, profile), touching
         if np.array_equal(touching, before):
@@ -185,6 +187,8 @@ def test_rows_carry_the_load_or_are_open(rows, passage):
     rate += response @ profile
     assert not touching[middle[rows.rows]].any()
     assert (touching & ~rows.touching).any()
+    solved = passage_at(model, 101, profile, passage.contacts, 1e-8).contact.touching.any(axis=0)
+    np.testing.assert_array_equal(rows.rows[touching][[0, -1]], np.flatnonzero(solved)[[0, -1]])
     assert (rate[rows.rows[touching]] > 0.0).all()
     np.testing.assert_array_equal(np.flatnonzero(rate), rows.rows[touching])
 

