@@ -12,7 +12,7 @@ the paper:
 - ROS2: linearly implicit of second order for any approximation of the Jacobian, a W-method (Verwer,
   Spee, Blom & Hundsdorfer 1999, SIAM J. Sci. Comput. 20, 1456-1480), with the response of the
   package;
-- adaptive: the scheme of the package, two-step backward differentiation with this response.
+- adaptive: the scheme of the package, which integrates the rows of elements over each jump.
 
 The reference is the run that computes every revolution (`benchmarks/references`; about ten minutes
 the first time). Seconds are CPU seconds of the process, on one thread.

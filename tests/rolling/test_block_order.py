@@ -174,7 +174,7 @@ def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     of_paths = np.expm1(6.0 * np.log1p(ts.Laws.of(scene).fatigue.path_error))
     np.testing.assert_allclose(each["damage_error"], of_paths * each["damage"])
     assert (difference < jumps["damage_error"][-1] - each["damage_error"][-1]).all()
-    # At most 8.9 % of A and 10.7 % of B, of which the points of the paths are 2.4 %.
+    # At most 8.9 % of A and 10.7 % of B, with 2.4 % by the points of the paths.
     assert (jumps["damage_error"][-1] < 0.12 * each["damage"][-1]).all()
 
 
