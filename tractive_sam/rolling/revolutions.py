@@ -305,7 +305,7 @@ class Forecast:
         Coordinate of the end.
     """
 
-    growth: ClassVar[float] = 0.4
+    growth: ClassVar[float] = 0.5
     """Exponent of the growth of jumps with the revolutions rolled, once wear shapes the contact."""
 
     unhindered: ClassVar[float] = 0.5
