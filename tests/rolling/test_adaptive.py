@@ -194,10 +194,10 @@ def test_rows_carry_the_load_or_are_open(rows, passage):
 
 
 def test_jumps_pass_several_rows_that_come_into_contact():
-    """A solve that is repeated in each jump would double the 27 contacts."""
+    """A solve that is repeated in each jump would double the 33 contacts."""
     wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
     adaptive = rolled(4000, *wide, "wear.save=[0, 4000]")
-    assert sum(p.solves for p in adaptive) <= 32
+    assert sum(p.solves for p in adaptive) <= 38
     rows = [np.count_nonzero(adaptive[k].contact.touching.any(axis=0)) for k in (0, -1)]
     assert rows[1] > rows[0] + 10  # 19 and 37
 
