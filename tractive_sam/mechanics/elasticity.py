@@ -33,7 +33,9 @@ from tractive_sam.mechanics.law import Law
 class SurfaceResponse(ABC):
     """Base class of half-spaces by their response to waves, the mean over their directions.
 
-    See `tractive_sam.mechanics.layers`. Subclasses are equal if they respond alike, and have a
+    The displacement by a wave of traction with the wave number k is S(k), and each component of k S
+    is c_0 + sum over i of c_i exp(-k d_i), with c_0 of `compliances`, and c_i and d_i of `images`;
+    see `tractive_sam.mechanics.layers`. Subclasses are equal if they respond alike, and have a
     hash: contacts of equal bodies are computed once.
 
     Examples
