@@ -293,7 +293,8 @@ def test_explain_counts_contacts_and_changed_parameters(line):
     design = ts.FitDesign(fit={"scene": line, "free": free, "data": [data | {"noise": 0.1}]})
     parameters, data_sets, work = explain_fit(design)
     assert parameters.rows[1] == ("friction.layer", "from 0, at least 0")
-    assert data_sets.rows[0][1] == "2 values of Qx_over_P over creepage.longitudinal, from contacts"
+    values = "2 values of Qx_over_P from 0.21 to 0.34"
+    assert data_sets.rows[0][1] == f"{values} over creepage.longitudinal, from contacts"
     # friction has exact derivatives, the layer has none
     counts = "2 contacts and 0 runs, and 2 with a changed parameter; about"
     assert work.rows[0][1].startswith(counts)

@@ -32,8 +32,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from tractive_sam.contact.model import Model
-from tractive_sam.mechanics import Elasticity, LinearHalfSpaces, RelaxingHalfSpaces
-from tractive_sam.mechanics.relaxation import FadingMemory
+from tractive_sam.mechanics import Elasticity, FadingMemory, LinearHalfSpaces, RelaxingHalfSpaces
 from tractive_sam.operators import Lattice, Operators
 from tractive_sam.results import BODIES, Grid, State
 

@@ -68,6 +68,7 @@ from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
 from .layers import TransverseMaterial as TransverseMaterial
 from .layers import pair as pair
+from .relaxation import FadingMemory as FadingMemory
 from .relaxation import RelaxingBody as RelaxingBody
 from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces
 from .relaxation import creep_terms as creep_terms
