@@ -14,7 +14,7 @@ COLUMNS = (*NAMED, "load history", "fit")
 ALL = (*COLUMNS, "matrix")
 FAULTS = {
     "decimal commas between commas": (ALL, "commas between columns|a finite number"),
-    "slash": (("load history",), "column"),
+    "slash": (("load history", "fit"), "column"),
     "no header": (("load history", "fit"), "header"),
     "row numbers ''": ((*NAMED, "load history", "matrix"), "columns|unknown column|evenly spaced"),
     "row numbers 'index'": (("matrix",), "evenly spaced"),

@@ -269,11 +269,12 @@ def _find_columns(data: Data) -> dict[str, str]:
 def _locate(table: TextTable, column: str, body: str | None) -> int | None:
     """Return the index of a column by its name, else by its words, which may name the body, too.
 
-    A minus sign before the name is left out: it reverses the sign of the values.
+    A minus sign before `column` is left out: it reverses the sign of the values. Signs and factors
+    in the names of a file remain, so that they are not taken for the quantity itself.
     """
 
     def words_of(text: str) -> str:
-        return re.sub(r"[\W_]+", "", text).casefold()
+        return re.sub(r"[\s_./,()]+|(?<=[^\W\d])-(?=[^\W\d])", "", text).casefold()
 
     column = column.removeprefix("-")
     if (place := table.find(column)) is not None:
