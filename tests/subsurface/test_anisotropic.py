@@ -147,6 +147,7 @@ def test_line_is_the_middle_of_a_long_contact():
     np.testing.assert_allclose(long, infinite, atol=1e-4)  # width over length
 
 
+@pytest.mark.slow
 def test_crystal_turned_by_a_quarter_exchanges_x_and_y():
     turn = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     body = BODIES["random"]
@@ -244,6 +245,7 @@ def test_maximum_of_an_isotropic_stiffness():
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=3e-4 * expected.max())
 
 
+@pytest.mark.slow
 def test_stress_at_the_surface_is_that_of_displacements():
     """Without friction, the stress a little below a corner tends to that at the surface."""
     scene = ts.Scene(
