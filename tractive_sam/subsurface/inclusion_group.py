@@ -14,6 +14,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import product
 from typing import ClassVar
 
 import numpy as np
@@ -201,9 +202,13 @@ class InclusionGroup:
         return field[..., mask] @ fit.T @ (linear if points is None else self._linear(k, points))
 
     def at_surface(
-        self, k: int, strain: np.ndarray, eigenstrain: np.ndarray, count: int = 642
+        self,
+        k: int,
+        strain: np.ndarray,
+        eigenstrain: np.ndarray,
+        directions: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return the stress of the matrix at the surface of an ellipsoid, (6, ..., count), MPa.
+        """Return the stress of the matrix at the surface of an ellipsoid, (6, ..., n), MPa.
 
         Tractions, and the strain in the surface, are continuous (Hill 1961).
 
@@ -213,10 +218,10 @@ class InclusionGroup:
             The inclusion.
         strain, eigenstrain : ndarray, shape (6, ..., n_z, n_x, n_y)
             Strain, and eigenstrain of the inclusions, in the cells.
-        count : int
-            Number of points, see `surface_points`.
+        directions : ndarray, shape (3, n), optional
+            Points of the unit sphere whose images are the points; by default `sphere_points`.
         """
-        points, normals = surface_points(self.inclusions[k], count)
+        points, normals = surface_points(self.inclusions[k], directions)
         places = points + self.places[k][:, None]
         inside, own = (self.inside(k, values, places) for values in (strain, eigenstrain))
         missing = np.tensordot(self.stiffness, own, 1)
@@ -288,14 +293,39 @@ def _like(normals: np.ndarray, field: np.ndarray) -> np.ndarray:
     return normals.reshape(3, *(1,) * (field.ndim - 2), -1)
 
 
-def surface_points(inclusion: Inclusion, count: int) -> tuple[np.ndarray, np.ndarray]:
+def surface_points(
+    inclusion: Inclusion, directions: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return points of an ellipsoid about its centre, mm, and unit normals, both of shape (3, n).
 
-    The points are those of a spiral with equal areas on the sphere.
+    `directions` are points of the unit sphere whose images they are; by default `sphere_points`.
     """
-    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
-    angle = math.pi * (1.0 + math.sqrt(5.0)) * np.arange(count)
-    ring = np.sqrt(1.0 - z * z)
-    sphere = np.stack([ring * np.cos(angle), ring * np.sin(angle), z])
+    sphere = sphere_points() if directions is None else directions
     half = np.reshape(inclusion.half, (3, 1))
     return half * sphere, sphere / half / np.linalg.norm(sphere / half, axis=0)
+
+
+@lru_cache(2)
+def sphere_points(parts: int = 12) -> np.ndarray:
+    """Return points of the unit sphere, (3, 4 parts^2 + 2), among which are all mirror images.
+
+    The edges of an octahedron have `parts` equal parts on the sphere; the points of each face lie
+    between those of its edges.
+    """
+    i, j, k = np.indices((parts + 1,) * 3).reshape(3, -1)
+    octant = np.sin(0.5 * math.pi / parts * np.stack((i, j, k))[:, i + j + k == parts])
+    octant /= np.linalg.norm(octant, axis=0)
+    signs = np.array([*product((1.0, -1.0), repeat=3)]).T
+    images = (octant[:, :, None] * signs[:, None]).reshape(3, -1)
+    # Points in the planes of the axes are their own images; -0.0 + 0.0 is 0.0.
+    return np.unique(images + 0.0, axis=1)
+
+
+def points_around(direction: np.ndarray, width: float) -> np.ndarray:
+    """Return 5 x 5 points (3, 25) of the unit sphere up to `width` aside from one of them (3,)."""
+    first = np.cross(direction, np.eye(3)[np.abs(direction).argmin()])
+    first /= np.linalg.norm(first)
+    aside = np.stack((first, np.cross(direction, first)), axis=1)
+    steps = np.meshgrid(*2 * [width * np.linspace(-1.0, 1.0, 5)])
+    points = direction[:, None] + aside @ np.reshape(steps, (2, -1))
+    return points / np.linalg.norm(points, axis=0)

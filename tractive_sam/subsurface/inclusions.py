@@ -18,7 +18,13 @@ from tractive_sam.results import COMPONENTS, PlaneStress, Point, State
 from tractive_sam.scene import Plane
 from tractive_sam.solvers import combine_images
 from tractive_sam.subsurface.fatigue_cycles import LocalSteel
-from tractive_sam.subsurface.inclusion_group import InclusionGroup, inclusion_groups, surface_points
+from tractive_sam.subsurface.inclusion_group import (
+    InclusionGroup,
+    inclusion_groups,
+    points_around,
+    sphere_points,
+    surface_points,
+)
 from tractive_sam.subsurface.sources import SIGNS
 from tractive_sam.subsurface.stress_fields import stress_at, stress_layers, worn_depth
 
@@ -91,8 +97,9 @@ class LiftedPass:
 
     Examples
     --------
-    >>> hole = ts.Inclusion(at=[0.0, 0.0, 0.5], radii=0.2, young=0.0, cells=7, lifts=True)
-    >>> (around,) = ts.around_inclusions(ts.solve(scene.replace(inclusion=[hole])))
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 0.5], radii=0.2, young=0.0, cells=5, lifts=True)
+    >>> coarse = scene.replace(inclusion=[hole], grid={"elements": [15, 15]})
+    >>> (around,) = ts.around_inclusions(ts.solve(coarse))
     >>> bool(around.above.peaks.min() < scene.hertz.p0), around.above.residual < 1e-4
     (True, True)
     """
@@ -418,15 +425,16 @@ class _Passing:
         ]
         return np.stack(fields, axis=1)
 
-    def near(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+    def near(self, k: int, directions: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Return the stress (6, positions + 1, points) beside an inclusion, and points (3, points).
 
-        The points are those of the surface of an ellipsoid, and the cells next to a cuboid.
+        The points are those of the surface of an ellipsoid in directions, see `surface_points`, and
+        the cells next to a cuboid.
         """
         inclusion, place = self.group.inclusions[k], self.group.places[k]
         if inclusion.is_ellipsoid:
-            stress = self.group.at_surface(k, *self.solved)
-            points = surface_points(inclusion, stress.shape[-1])[0] + place[:, None]
+            stress = self.group.at_surface(k, *self.solved, directions)
+            points = surface_points(inclusion, directions)[0] + place[:, None]
         else:
             near = scipy.ndimage.binary_dilation(self.outer.owner == k, np.ones((3, 3, 3)))
             near &= self.outer.owner < 0
@@ -437,6 +445,31 @@ class _Passing:
             )
         points[0] -= self.group.cells[1].mean()
         return np.einsum("pn,cnk->cpk", self.shares, stress), points
+
+    def largest(
+        self, k: int, measure: Callable[[np.ndarray, np.ndarray], np.ndarray], rounds: int = 3
+    ) -> tuple[float, np.ndarray, np.ndarray]:
+        """Return the largest measure of a cycle beside an inclusion, its cycle, and its point (3,).
+
+        Parameters
+        ----------
+        k : int
+            The inclusion.
+        measure : callable
+            Returns the measure (points,) of cycles (6, positions + 1, points) at depths (points,).
+        rounds : int
+            Searches around the largest one of an ellipsoid, each as wide as half of the one before.
+        """
+        directions, width = sphere_points(), math.pi / math.sqrt(sphere_points().shape[1])
+        for left in range(rounds, -1, -1):
+            cycle, points = self.near(k, directions)
+            values = measure(cycle, points[2])
+            top = int(values.argmax())
+            if not (left and self.group.inclusions[k].is_ellipsoid and np.isfinite(values[top])):
+                break
+            directions = points_around(directions[:, top], width)
+            width *= 0.5
+        return float(values[top]), cycle[..., top], points[:, top]
 
     def section(self, k: int, moment: int | None) -> PlaneStress:
         """Return the stress around an inclusion on the plane through its centre; nan at no moment.
@@ -477,23 +510,19 @@ class _Passing:
         own = self.group.share * self.solved[1]
         lift = float(np.abs(self.shares @ self.group.box.lift(own, *np.zeros((2, 1)))).max())
         for k, number in enumerate(self.numbers):
-            cycle, points = self.near(k)
-            mises = von_mises(cycle)
-            moment, point = np.unravel_index(mises.argmax(), mises.shape)
+            mises, cycle, point = self.largest(k, lambda cycles, _: von_mises(cycles).max(axis=0))
+            moment = int(von_mises(cycle).argmax())
             moved = (*self.x, math.nan)[moment]
-            x, y, depth = points[:, point].tolist()
+            x, y, depth = point.tolist()
             strain, own = (self.group.inside(k, values) for values in self.solved)
             few = slice(None, None, max(1, own.shape[-1] // 200))
             stress = np.tensordot(self.group.stiffness, (strain - own)[..., few], 1)
             tension = principal_stresses(np.einsum("pn,cnk->cpk", self.shares, stress))[0].max()
-            used = self._utilisation(cycle, points[2])
-            top = int(np.argmax(used))
-            place = (
-                (math.nan, *points[1:, top].tolist()) if np.isfinite(used[top]) else (math.nan,) * 3
-            )
+            used, _, point = self.largest(k, self._utilisation)
+            place = (math.nan, *(point[1:] if math.isfinite(used) else [math.nan] * 2))
             found[number] = InclusionStress(
-                number, self.body, float(mises.max()), (x + moved, y, depth), float(tension),
-                float(used[top]), place, lift, self.section(k, int(moment)), self.above,
+                number, self.body, mises, (x + moved, y, depth), float(tension),
+                used, place, lift, self.section(k, moment), self.above,
             )  # fmt: skip
         return found
 
