@@ -4,9 +4,12 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tests.solvers.small import with_fixed_pressure
+from tractive_sam.contact import Model
 from tractive_sam.mechanics import Strips
 from tractive_sam.operators.elastic import Lattice, Operators
 from tractive_sam.reference.rolling import creep_coefficients
+from tractive_sam.solvers.ladder import FIXED_PRESSURE
 
 IRON = {"C11": 231.4e3, "C12": 134.7e3, "C44": 116.4e3}
 SILICON = {"C11": 165.7e3, "C12": 63.9e3, "C44": 79.6e3}
@@ -284,6 +287,16 @@ def test_equal_crystals_without_symmetry_pull_sideways_in_free_rolling():
     assert abs(contact.Qx) < 1e-3 * contact.P  # the plane y-z is one of symmetry
     balance = contact.Qx * 0.0 + contact.rolling_resistance
     assert balance == pytest.approx(contact.dissipation, rel=1e-3)
+
+
+def test_newton_steps_under_a_fixed_pressure():
+    """Slip that pressure causes ahead of the edge does not change with the tractions."""
+    copper = {"stiffness": {"crystal": "copper"} | ON_111}
+    model = Model(rolling(copper, copper))
+    problem = model.problem(model.undeformed_gap / model.units.gap)
+    outcome = FIXED_PRESSURE.solve(with_fixed_pressure(problem), 1e-9)
+    assert outcome.converged
+    assert outcome.iterations < 10  # the steps with a wrong derivative did not converge
 
 
 def test_carter():

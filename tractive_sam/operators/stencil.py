@@ -234,7 +234,7 @@ class FrictionSlip:
         h = 1e-4
         return (self._opening_at(self._angle + h) - self._opening_at(self._angle - h)) / (2.0 * h)
 
-    def sticking(self, slip: np.ndarray, traction: np.ndarray) -> np.ndarray:
+    def sticking(self, slip: np.ndarray, traction: np.ndarray, pressure: float = 1.0) -> np.ndarray:
         """Return the slip, corrected at leading elements, that vanishes where elements stick.
 
         The slip of the leading face, less what the opening ahead of a leading element accounts
@@ -245,10 +245,12 @@ class FrictionSlip:
         ----------
         slip, traction : ndarray, shape (2, n_x, n_y)
             Slip of the leading faces, and the tractions it goes with.
+        pressure : float
+            Factor of the slip by pressure: 1, or 0 of a change under a fixed pressure.
         """
         if not self._gap.size:
             return slip
-        if self._slip_by_pressure is not None:
+        if pressure and self._slip_by_pressure is not None:
             slip = slip + backend_of(slip).xp.asarray(self._slip_by_pressure, dtype=slip.dtype)
         return backend_of(slip).add_leading_response(
             slip, traction, self._here, *self._sticking_factors

@@ -211,7 +211,7 @@ class System:
             slip = at.seen.sticking_change(response[1:], at.traction, step, response[0], at.slip)
             tangential = tangential - self._following * step[0]
         else:
-            slip = at.seen.sticking(response, step)
+            slip = at.seen.sticking(response, step, pressure=0.0)
         at.law.rows(tangential, slip, rows[-2:])
         if at.ratio != 1.0:
             rows[-2:] *= at.ratio
