@@ -15,12 +15,10 @@ import numpy as np
 from tractive_sam.description import Description, Section
 from tractive_sam.extras import require_extra
 from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
-from tractive_sam.scene import Scene
-from tractive_sam.schema import SceneError
 from tractive_sam.store import ResultsError
-from tractive_sam.studies import Axis, Study, check_installed, local_cluster
+from tractive_sam.studies import check_installed, local_cluster
 from tractive_sam.tables.builder import TableBuilder
-from tractive_sam.tables.design import TableAxis, TableDesign
+from tractive_sam.tables.design import TableDesign
 from tractive_sam.tables.solving import (
     NODE_SHARE,
     CreepageGrid,
@@ -130,24 +128,6 @@ def _read_design(table: CreepTable) -> TableDesign:
     design = TableDesign.from_toml_text(str(table.about["design"]))
     check_files(json.loads(str(table.about.get("files", "{}"))), design.files)
     return design
-
-
-def is_design(path: str | PathLike[str]) -> bool:
-    """Return whether a TOML file has keys of a table design that studies and scenes lack.
-
-    A file with a scene and axes alone may be a study as well, and is not regarded as a design.
-    """
-    try:
-        tables = TableDesign.read_tables(path)
-    except SceneError:
-        return False
-    keys = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()
-    axis_keys = TableAxis.model_fields.keys() - Axis.model_fields.keys()
-    axes = tables.get("axis")
-    axes = axes if isinstance(axes, list) else []
-    return bool(keys & tables.keys()) or any(
-        isinstance(axis, dict) and axis_keys & axis.keys() for axis in axes
-    )
 
 
 def explain_table(table: CreepTable) -> Description:

@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import pairwise, product
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -42,7 +43,7 @@ from tractive_sam.schema import (
     required,
     shorten,
 )
-from tractive_sam.studies import Axis
+from tractive_sam.studies import Axis, Study
 
 
 def rest_meshes(
@@ -773,6 +774,24 @@ class TableDesign(TomlTable):
         for axis in self.axis:
             for x in axis.nodes:
                 yield first | axis.entries_at(x)
+
+
+def is_design(path: str | PathLike[str]) -> bool:
+    """Return whether a TOML file has keys of a table design that studies and scenes lack.
+
+    A file with a scene and axes alone may be a study as well, and is not regarded as a design.
+    """
+    try:
+        tables = TableDesign.read_tables(path)
+    except SceneError:
+        return False
+    keys = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()
+    axis_keys = TableAxis.model_fields.keys() - Axis.model_fields.keys()
+    axes = tables.get("axis")
+    axes = axes if isinstance(axes, list) else []
+    return bool(keys & tables.keys()) or any(
+        isinstance(axis, dict) and axis_keys & axis.keys() for axis in axes
+    )
 
 
 def _move_faults(error: SceneError) -> list[Fault]:
