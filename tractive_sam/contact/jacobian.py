@@ -30,10 +30,10 @@ Friction that depends on temperature has a bound that depends on the heat of all
 heat due to every change above, and within the matrix on the heat due to every step (`_WarmSystem`).
 """
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -141,7 +141,7 @@ def jacobian_of(
         np.stack(list(columns.values()), axis=1),
         [("result", rows), ("parameter", list(columns))],
         attrs={
-            "units": UnitsByName.from_mapping(units),
+            "units": UnitsByName("; ".join(f"{name}: {unit}" for name, unit in units.items())),
             "operator_applications": systems.applications,
         },
     )
@@ -208,12 +208,10 @@ class _Systems:
 
 
 class UnitsByName(str):
-    """Units of rows and columns as a text, which netCDF can store; `units["Qx"]` is one unit."""
+    """Units of rows and columns as a text, which netCDF can store; `units["Qx"]` is one unit.
 
-    @classmethod
-    def from_mapping(cls, units: Mapping[str, str]) -> Self:
-        """Return the text "name: unit; ..." of a mapping from names to units."""
-        return cls("; ".join(f"{name}: {unit}" for name, unit in units.items()))
+    The text is "name: unit; ...".
+    """
 
     def __getitem__(self, key: Any) -> str:
         """Return the unit of a row or column, or a part of the text."""

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
@@ -56,11 +56,6 @@ class _Ellipse(NamedTuple):
 
     a: float
     b: float
-
-    @classmethod
-    def of_overlap(cls, patch: Patch) -> Self:
-        """Return the contact of bodies that overlap in an ellipse, sqrt(2) times smaller."""
-        return cls(*(half / math.sqrt(2.0) for half in patch.half_length))
 
 
 def choose_grid(
@@ -215,7 +210,11 @@ def _extent_of_contacts(
     shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
     contacts = [block.hertz for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     if scene.wheelset is not None:
-        contacts = [_Ellipse.of_overlap(patch) for patch in patches or scene.wheel_rail.patches]
+        # The contact of bodies that overlap in an ellipse is sqrt(2) times smaller.
+        contacts = [
+            _Ellipse(*(half / math.sqrt(2.0) for half in patch.half_length))
+            for patch in patches or scene.wheel_rail.patches
+        ]
         shifts = (0.0,) * len(contacts)
     along, lateral = margin
     reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]

@@ -491,12 +491,6 @@ class Model:
         """Slip of the undeformed bodies in the scaled frame and in units of slip."""
         return self.frame.slip_to_scaled(self.rigid_slip) / self.units.slip
 
-    @property
-    def prescribed_approach(self) -> float:
-        """Prescribed approach in units of gap; zero for a prescribed load."""
-        approach = self.scene.load.approach if self.approach is None else self.approach
-        return 0.0 if approach is None else approach / self.units.gap
-
     @cached_property
     def load(self) -> float | None:
         """Prescribed load as the sum of dimensionless pressure over the elements, or None."""
@@ -527,7 +521,9 @@ class Model:
         wear : callable, optional
             Wear within the pass.
         """
-        normal = NormalProblem(self.operators, gap, self.load, self.prescribed_approach)
+        approach = self.scene.load.approach if self.approach is None else self.approach
+        scaled = 0.0 if approach is None else approach / self.units.gap  # 0: the load is given
+        normal = NormalProblem(self.operators, gap, self.load, scaled)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         friction = FrictionOnMesh(self.friction_law, x, y, self.units.pressure, self.units.slip)
         kinematics = SteadyRolling(self.stencil)

@@ -25,7 +25,6 @@ from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import not_resolved, solve_problem, state_of, traction_of
 from tractive_sam.mechanics import RelaxingBody, RelaxingHalfSpaces
 from tractive_sam.operators import Operators
-from tractive_sam.rail import Patch
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.scene import FewestElements
 from tractive_sam.schema import required
@@ -91,7 +90,9 @@ class LoadedWheel:
             ]
             cost = sum((contact.cost for contact in contacts), cost)
             carried = sum(
-                supported_load(contact, patch, by_normal)
+                contact.P
+                if by_normal
+                else float(contact.P * np.cos(patch.angle) - contact.Qy * np.sin(patch.angle))
                 for contact, patch in zip(contacts, patches, strict=True)
             )
             self.load_error = abs(carried / load - 1.0)
@@ -246,13 +247,6 @@ def enlarge_for(model: Model, contacts: Sequence[State]) -> Model:
         return model
     along, across = map(any, zip(*edges, strict=True))
     return model.on(enlarge(model.grid, (along, across)))
-
-
-def supported_load(contact: State, patch: Patch, normal: bool = False) -> float:
-    """Return the vertical force of a patch, or with `normal` its normal force, N."""
-    if normal:
-        return contact.P
-    return float(contact.P * np.cos(patch.angle) - contact.Qy * np.sin(patch.angle))
 
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]

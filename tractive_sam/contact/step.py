@@ -187,12 +187,6 @@ class StepResult:
             bulk=self.bulk - earlier.bulk,
         )
 
-    def has_pressure_of(self, normal: NormalProblem) -> bool:
-        """Return whether the pressure of the step solves this normal problem."""
-        if self.normal is None or not self.contact.touching.any():
-            return False
-        return normal.is_the_same_as(self.normal)
-
 
 @dataclass(frozen=True, eq=False)
 class StepWear:
@@ -635,7 +629,11 @@ class Stepper:
             if force is not None
         ]
         gap, pressure, approach = None, last.pressure, last.approach
-        if before.has_pressure_of(problem.free_pressure):
+        if (
+            before.normal is not None
+            and last.touching.any()
+            and problem.free_pressure.is_the_same_as(before.normal)
+        ):
             gap = last.gap / units.gap
         else:
             pressure = extrapolate(pressure, first.pressure)

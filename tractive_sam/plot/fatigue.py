@@ -57,11 +57,6 @@ def _each_body(history: History) -> list[dict[str, str]]:
     return [{"body": body} for body in history.cycles]
 
 
-def _each_damaged_body(history: History) -> list[dict[str, str]]:
-    """Return the arguments {"body": ...} of the figures of each body with damage."""
-    return [{"body": b} for b in history.cycles if history.fatigue(b).damage_max[0] > 0.0]
-
-
 @history_figure("shakedown-map", columns=["shakedown_lower"], cure="fatigue.shear_yield")
 def shakedown_map(history: History) -> Figure:
     """Shakedown map: p_max/k over the tangential force ratio of the records, with limits.
@@ -168,7 +163,14 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
     return figure
 
 
-@history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_each_damaged_body)
+@history_figure(
+    "damage-{body}",
+    columns=["damage"],
+    cure="fatigue.limit",
+    each=lambda history: [
+        {"body": b} for b in history.cycles if history.fatigue(b).damage_max[0] > 0.0
+    ],
+)
 def damage(history: History, body: str = "A", *, most: int = 4, decades: float = 6.0) -> Figure:
     """Maps of a body's damage over y and depth, for up to four stored records with damage.
 

@@ -394,12 +394,11 @@ def wear_map(view: ContactView) -> Figure:
     return figure
 
 
-def _stored_fields(view: ContactView) -> list[dict[str, str]]:
-    """Return the name of each field of an observer of the history, as arguments of its figure."""
-    return [] if view.history is None else [{"field": k} for k in view.history.user_fields]
-
-
-@contact_figure("{field}", needs=[WIDE], each=_stored_fields)
+@contact_figure(
+    "{field}",
+    needs=[WIDE],
+    each=lambda view: [{"field": k} for k in (view.history.user_fields if view.history else ())],
+)
 def _observed_field(view: ContactView, field: str) -> Figure:
     """Map of a field that an observer of the scene computes, for example of a displacement."""
     history = required(view.history, "history")
@@ -790,18 +789,13 @@ def animate(history: History, path: str | PathLike[str], rate: float = 2.0) -> P
             chart = ContactMap(figure, layout.left, view, frame)
             chart.axes.set_title(view.position, loc="center")
             draw(chart, envelope)
-            pictures.append(_rasterize(figure))
+            pixels = BytesIO()
+            figure.savefig(pixels, format="png", dpi=110)
+            pictures.append(Image.open(pixels).convert("RGB"))
     memory, duration = BytesIO(), int(1000 / rate)
     first, *further = pictures
     first.save(memory, "gif", save_all=True, append_images=further, duration=duration, loop=0)
     return write_file(path, memory.getbuffer())
-
-
-def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
-    """Return a figure as an image of pixels."""
-    memory = BytesIO()
-    figure.savefig(memory, format="png", dpi=dpi)
-    return Image.open(memory).convert("RGB")
 
 
 def _views(history: History, max_frames: int = 100) -> Iterator[ContactView]:

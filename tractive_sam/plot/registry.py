@@ -30,7 +30,7 @@ from tractive_sam.plot.contact_map import (
     touching_records,
 )
 from tractive_sam.plot.figure import Figure, Measurements, apply_style, change_options
-from tractive_sam.results import COORDINATE, PREFIX, History, Quantity
+from tractive_sam.results import COORDINATE, PREFIX, History
 from tractive_sam.schema import installed_entry_points
 
 Arguments = ParamSpec("Arguments")
@@ -101,10 +101,14 @@ class FigureEntry:
 
     def drawings(self, subject: ContactView | History, ending: str = "") -> "Iterator[Drawing]":
         """Yield the drawings of the figure for a history or contact; none if it does not apply."""
-        if self._missing(subject) or self._differs_by_block(subject) or not self.shown(subject):
+        found = [column for name in self.columns for column in _find_columns(subject, name)]
+        differs_by_block = any(PREFIX + column in subject.columns for column in found)
+        if self._missing(subject) or differs_by_block or not self.shown(subject):
             return
         roles = {column.role: column.name for column in subject.columns.values() if column.role}
-        roles[COORDINATE] = _plural(subject.coordinate)
+        coordinate = subject.coordinate
+        plural = "es" if coordinate.name.endswith("ch") else "s"
+        roles[COORDINATE] = coordinate.name + plural * coordinate.whole
         for arguments in self.each(subject):
             name = self.name.format_map(roles | dict(arguments)) + ending
             name = re.sub(r"[_/\\ ]", "-", name).replace("=", "")
@@ -120,17 +124,6 @@ class FigureEntry:
             if not any(_has_numbers(subject, column) for column in _find_columns(subject, name))
         ]
         return missing or [need.text for need in self.needs if not need.holds(subject)]
-
-    def _differs_by_block(self, subject: ContactView | History) -> bool:
-        """Return whether the figure's columns have separate values for each block."""
-        matching = (column for name in self.columns for column in _find_columns(subject, name))
-        return any(PREFIX + column in subject.columns for column in matching)
-
-
-def _plural(coordinate: Quantity) -> str:
-    """Return the name of a coordinate, in the plural if its values are whole numbers."""
-    ending = "es" if coordinate.name.endswith("ch") else "s"
-    return coordinate.name + ending * coordinate.whole
 
 
 def _find_columns(subject: ContactView | History, name: str) -> list[str]:

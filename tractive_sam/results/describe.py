@@ -277,17 +277,25 @@ def describe_balances(history: HistoryData, only_if_open: bool = False) -> dict[
     each = [balance_of(part) for part in parts]
     worn = [balance_of(history)] if "profile_work" in history.columns else each
     texts: dict[str, str] = {}
-    for name, balance, describe in (
-        ("energy", [balance.energy for balance in each], _describe_energy),
-        ("wear", [balance.wear_overall for balance in worn], _describe_wear),
+    for name, balances, ratios in (
+        ("energy", each, [balance.energy for balance in each]),
+        ("wear", worn, [balance.wear_overall for balance in worn]),
     ):
-        values = np.concatenate(balance)
+        values = np.concatenate(ratios)
         values = values[np.isfinite(values)]
         if values.size:
             worst = values[abs(values - 1.0).argmax()]
             closed = abs(worst - 1.0) <= closed_within
-            if not (closed and only_if_open):
-                texts[name] = describe((worn if name == "wear" else each)[0], worst, closed)
+            if closed and only_if_open:
+                continue
+            first = balances[0]
+            if name == "energy":
+                text = f"{first.dissipated} {worst:.5f} of the work supplied"
+                advice = f"wear is as much in error{first.energy_cure}"
+            else:
+                text = f"the worn {first.worn} is {worst:.5f} of what the frictional work wears"
+                advice = f"{first.wear_cure} them together"
+            texts[name] = text if closed else f"{text}; {advice}"
     return texts
 
 
@@ -299,8 +307,10 @@ def caveats(history: HistoryData) -> dict[str, str]:
     material withstands or that is too small for the materials, "angle_range" of a conformal wheel,
     "layers" that wear thins or removes.
     """
+    ranges = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
+    widest_range = max((np.nan_to_num(history[k]).max(initial=0.0) for k in ranges), default=0.0)
     notes = {
-        "angle_range": _describe_conformity(history),
+        "angle_range": "; ".join(conformity_notes(float(widest_range))),
         "layers": _describe_worn_layers(history),
         "stress": _describe_missed_stress(history),
         "p_max": _describe_implausible_pressure(history),
@@ -310,13 +320,6 @@ def caveats(history: HistoryData) -> dict[str, str]:
     widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
     notes["width"] = "; ".join(edge_notes(history.scene, widest))
     return {name: text for name, text in notes.items() if text}
-
-
-def _describe_conformity(history: HistoryData) -> str:
-    """Describe a large range of the contact angle over a wheel's patch; empty if it is small."""
-    columns = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
-    largest = [np.nan_to_num(history[name]).max(initial=0.0) for name in columns]
-    return "; ".join(conformity_notes(float(max(largest, default=0.0))))
 
 
 def _describe_worn_layers(history: HistoryData, share: float = 0.1) -> str:
@@ -393,18 +396,6 @@ def _describe_missed_stress(history: HistoryData) -> str:
         f"the largest one inside lies about {depth:.3g} mm deep and is sought from two elements "
         f"deep on, {2.0 * side:.3g} mm: its value may be too small; use shorter elements"
     )
-
-
-def _describe_energy(balance: SteadyBalance, value: float, closed: bool) -> str:
-    """Describe the value of an energy balance, with advice unless the balance is closed."""
-    text = f"{balance.dissipated} {value:.5f} of the work supplied"
-    return text if closed else f"{text}; wear is as much in error{balance.energy_cure}"
-
-
-def _describe_wear(balance: SteadyBalance, value: float, closed: bool) -> str:
-    """Describe the value of a wear balance, with advice unless the balance is closed."""
-    text = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
-    return text if closed else f"{text}; {balance.wear_cure} them together"
 
 
 def describe_history(history: HistoryData) -> dict[str, str]:

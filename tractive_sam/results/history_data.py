@@ -342,6 +342,9 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
         for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
     )
     solved = number["converged"] > 0.0
+    failure = history.status if history.status in set(Status) else Status.OUT_OF_ITERATIONS
+    bound = fields.get(BOUND.name)
+    cost = (number[name] for name in ("convolutions", "over_application"))
     contact = State(
         scene=history.scene,
         grid=history.grid,
@@ -357,15 +360,16 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
         spin=number["spin"],
         rolling_resistance=number["work_supplied"] + creeping,
         sliding=fields.get("sliding", np.zeros(history.grid.elements)) > 0.0,
-        status=Status.CONVERGED if solved else _reason(history.status),
+        status=Status.CONVERGED if solved else Status(failure),
         note="" if solved else history.message,
         residual=number["residual"],
-        cost=_recorded_cost(number),
+        # Applications of preconditioners are not stored.
+        cost=Cost(number["operator_applications"], 0.0, *cost),
         revolution=int(number.get("revolution", 0)),
         volumes=_per_body(history, "worn_volume", row),
         bulk_dissipation=_per_body(history, "bulk_dissipation", row) or {},
         frame=history.frame,
-        traction_bound=_complete_or_none(fields.get(BOUND.name)),
+        traction_bound=None if bound is None or np.isnan(bound).any() else bound,
         laws=history.law_records,
     )
     if {"heat_into_A", "temperature_A", "temperature_B"} <= fields.keys():
@@ -379,23 +383,7 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
     return contact if "sliding" in fields else contact.with_sliding_by_traction()
 
 
-def _recorded_cost(number: Mapping[str, float]) -> Cost:
-    """Return the cost of a record; applications of preconditioners are not stored."""
-    convolutions, over_application = number["convolutions"], number["over_application"]
-    return Cost(number["operator_applications"], 0.0, convolutions, over_application)
-
-
 def _per_body(history: HistoryData, name: str, row: int) -> dict[str, float] | None:
     """Return a quantity of each body in a record; None if it was not recorded."""
     values = history.values.get(name)
     return None if values is None else dict(zip(BODIES, values[row].tolist(), strict=True))
-
-
-def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
-    """Return a stored traction bound, or None if it is missing or has nan."""
-    return None if bound is None or np.isnan(bound).any() else bound
-
-
-def _reason(ended: str) -> Status:
-    """Return the `Status` of an unsolved contact from its history, or else out of iterations."""
-    return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS

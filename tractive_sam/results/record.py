@@ -214,7 +214,8 @@ def cycle_record(
         User-defined columns.
     """
     weights = np.array(revolutions, float) / sum(revolutions)
-    names = columns_of(scene, [*user_columns, *_replacing_columns(records[0])])
+    stress = [column for column in records[0].columns.values() if column.role.startswith("stress")]
+    names = columns_of(scene, [*user_columns, *stress])
     values = dict(process_values)
     for name, quantity in names.items():
         if name not in values:
@@ -222,7 +223,15 @@ def cycle_record(
     for name, quantity in _block_quantities(names, process_values):
         values[PREFIX + name] = _stack_blocks(quantity, records)
     for name, quantity in _block_quantities(names, process_values):
-        names[PREFIX + name] = block_quantity(quantity)
+        names[PREFIX + name] = replace(
+            quantity,
+            name=PREFIX + name,
+            long_name=f"{quantity.long_name}, of each block",
+            dims=("block", *quantity.dims),
+            of=None,
+            role="",
+            symbol="",
+        )
     tables: dict[str, Table] = {}
     if all(record.tables for record in records):
         first = records[0].tables["fields"]
@@ -237,18 +246,6 @@ def cycle_record(
             if path.startswith("stress/")
         }
     return Record(values, names, tables)
-
-
-def block_quantity(quantity: Quantity) -> Quantity:
-    """Return the column "block_..." with the values of a column in each block of a duty cycle."""
-    dims = ("block", *quantity.dims)
-    name, text = PREFIX + quantity.name, f"{quantity.long_name}, of each block"
-    return replace(quantity, name=name, long_name=text, dims=dims, of=None, role="", symbol="")
-
-
-def _replacing_columns(record: Record) -> list[Quantity]:
-    """Return the stress columns of a record, which replace columns of the package."""
-    return [column for column in record.columns.values() if column.role.startswith("stress")]
 
 
 def _block_quantities(
@@ -334,6 +331,10 @@ def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, An
             widen_field(values, grid.elements)  # raises an error now, not when a field is read
         for path, table in record.tables.items():
             parts.setdefault(path, []).append(table)
+    quantities = {
+        path: {name: v.quantity for table in tables for name, v in table.variables.items()}
+        for path, tables in parts.items()
+    }
     return {
         "columns": names,
         "values": {
@@ -341,17 +342,11 @@ def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, An
             for name, column in names.items()
         },
         "tables": {
-            path: CollectedTables(parts[path], _quantities_of(parts[path]) or FIELDS, grid)
+            path: CollectedTables(parts[path], quantities[path] or FIELDS, grid)
             for path in sorted(parts)  # as in a file
         },
         "saved": np.array([r.at for r in with_fields], int if coordinate.whole else float),
     }
-
-
-def _quantities_of(tables: Iterable[Table]) -> dict[str, Quantity]:
-    """Return the quantities of all variables of tables, by name."""
-    variables = (item for table in tables for item in table.variables.items())
-    return {name: variable.quantity for name, variable in variables}
 
 
 def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:

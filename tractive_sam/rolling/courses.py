@@ -44,10 +44,6 @@ class Courses:
         """Return the stage of a stretch; a stretch between two stages belongs to the later one."""
         return self._place[stretch + 1][0]
 
-    def stage_index(self, stretch: int) -> int:
-        """Return the index, from 0, of the stage to which a stretch between two knots belongs."""
-        return self.table.stages.index(self.stage(stretch))
-
     def rolls(self, stretch: int) -> bool:
         """Return whether the bodies roll in a stretch between two knots; otherwise they shift."""
         return self.stage(stretch).rolls

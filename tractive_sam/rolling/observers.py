@@ -17,7 +17,7 @@ import numpy as np
 from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
-from tractive_sam.mechanics import VolumeLife, Woehler
+from tractive_sam.mechanics import VolumeLife
 from tractive_sam.results import (
     BODIES,
     BodyFatigue,
@@ -656,13 +656,15 @@ class StressHistory(Observer):
         life = model.laws.life
         if life is None:
             return cycles
-        return {body: (_with_damage(cycle, life), x) for body, (cycle, x) in cycles.items()}
-
-
-def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
-    """Return the fatigue of a body with the damage of one load cycle."""
-    damage = life.damage(cycle.utilisation)
-    return cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size))
+        return {
+            body: (
+                cycle.with_damage(
+                    cycle.depth, life.damage(cycle.utilisation), np.zeros(cycle.y.size)
+                ),
+                x,
+            )
+            for body, (cycle, x) in cycles.items()
+        }
 
 
 def _cycle_start(model: Model) -> float:

@@ -56,7 +56,8 @@ def solve_pass(
         law = required(wear_law_at(model, contact), "wear")
         corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
-        contact = _with_wear_residual(replace(contact, wear=corrected), missed)
+        residual = max(contact.residual, missed) if contact.converged else contact.residual
+        contact = replace(contact, wear=corrected, residual=residual)
         if not contact.converged or missed <= tolerance:
             break
         wear = corrected
@@ -77,12 +78,6 @@ def _key_of_wear(model: Model) -> str:
     if not wear.together or wear.named_law:
         return "law"
     return "intensity" if wear.coefficient is None else "coefficient"
-
-
-def _with_wear_residual(contact: State, missed: float) -> State:
-    """Return the contact with `missed` as residual, if it is solved and that is larger."""
-    larger = contact.converged and missed > contact.residual
-    return replace(contact, residual=missed) if larger else contact
 
 
 def _residual(model: Model, contact: State, change: np.ndarray) -> float:
@@ -217,13 +212,13 @@ class Passage(Step):
     def on(self, grid: Grid) -> "Passage":
         """Return the passage on a wider mesh; its new rows have only the initial wear."""
         before = self.grid
+        more = (grid.elements[1] - before.elements[1]) // 2
         course = tuple(point.on(grid.elements[1]) for point in self.course)
         if self.began is not None:  # the initial wear is also defined outside the mesh
             margin = self.began.on(grid).sum(axis=0)
-            margin[np.isin(np.arange(len(grid.y)), _middle_rows(before, grid))] = 0.0
+            margin[more : more + before.elements[1]] = 0.0
             course = tuple(replace(point, profile=point.profile + margin) for point in course)
         contacts = tuple(contact.on(grid.shifted(contact.grid.shift)) for contact in self.contacts)
-        more = (grid.elements[1] - before.elements[1]) // 2
         turns = tuple(
             replace(turn, share={k: _pad_rows(v, more, "edge") for k, v in turn.share.items()})
             for turn in self.turns
@@ -333,12 +328,6 @@ def _pad_rows(values: Any, more: int, mode: Literal["constant", "edge"]) -> Any:
     if not isinstance(values, np.ndarray):
         return values
     return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(more, more)], mode=mode)
-
-
-def _middle_rows(narrow: Grid, wide: Grid) -> np.ndarray:
-    """Return the row indices of a wide mesh that a narrower mesh covers."""
-    more = (wide.elements[1] - narrow.elements[1]) // 2
-    return np.arange(more, more + narrow.elements[1])
 
 
 def first_passage(model: Model) -> Passage:

@@ -241,20 +241,6 @@ class _RowModel:
         return ProfilePoint(end, np.maximum(halfway - 0.5 * rate, here.profile), rate)
 
 
-def _wear_tolerance(model: Model) -> float:
-    """Return the tolerance of the contact conditions for wear within one pass."""
-    return max(required(model.scene.wear, "wear").tolerance, model.scene.solver.tolerance)
-
-
-def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
-    """Return the largest correction of a profile over the tolerated one: the error of a jump."""
-    # Correction of the profile, over its depth, that no tolerance allows: from further away one
-    # Newton step does not reach the profile, and longer jumps cost more contacts than they save.
-    largest = 0.02
-    allowed = min(ALLOWED * required(model.scene.wear, "wear").tolerance ** POWER, largest)
-    return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
-
-
 def jump_on(model: Model, last: Passage, jump: int, rows: _RowModel) -> tuple[Passage, float]:
     """Return the passage after a jump of revolutions, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
@@ -262,7 +248,13 @@ def jump_on(model: Model, last: Passage, jump: int, rows: _RowModel) -> tuple[Pa
     if jump > LONGEST_GROWTH * (here.revolution - course[0].revolution):
         course = course[-1:]  # nearer points do not show the course of the rate over the jump
     expected, end = rows.follow(course, -1, revolution), last
-    lag, solves = _wear_tolerance(model), 0
+    tolerance = required(model.scene.wear, "wear").tolerance
+    # Tolerance of the contact conditions for wear within one pass.
+    lag, solves = max(tolerance, model.scene.solver.tolerance), 0
+    # Tolerated correction of the profile, over its depth. No tolerance allows more than 0.02: from
+    # further away one Newton step does not reach the profile, and longer jumps cost more contacts
+    # than they save.
+    allowed = min(ALLOWED * tolerance**POWER, 0.02)
     # Rows of a mesh that has just grown have unknown gaps: the first contact predicts the second.
     for _ in range(1 if np.isfinite(last.contact.gap).all() else 2):
         # A jump of one revolution is the pass; unworn bodies do not wear in their contact.
@@ -274,7 +266,8 @@ def jump_on(model: Model, last: Passage, jump: int, rows: _RowModel) -> tuple[Pa
             return replace(end, solves=solves), np.inf
         point = ProfilePoint(revolution, profile, end.gained)
         reached = _RowModel(model, end, point).follow((*course, point), -2, revolution)
-        error = _relative_correction(model, reached.profile - expected.profile, profile)
+        correction = np.abs(reached.profile - expected.profile).max()
+        error = float(correction / max(profile.max(), 1e-300) / allowed)
         expected = reached
     end = replace(end, solves=solves)
     return replace(end, course=(here, point if jump == 1 else reached)), error
@@ -515,7 +508,9 @@ class DutyCycle(Revolutions):
         lost = np.stack((step.worn_parts, step.worn_parts + step.gained_by_block))[
             :, list(spectrum.places)
         ]
-        lost *= _share_among_equal(spectrum)
+        # Equal blocks are solved as one: each has its share of their revolutions.
+        places = zip(spectrum.each, spectrum.places, strict=True)
+        lost *= np.reshape([n / spectrum.revolutions[k] for n, k in places], (-1, 1, 1))
         values[PARTS.name] = lost[0]
         sections = lost[1].sum(axis=(1, 2))
         values[SHARE.name] = sections / (sections.sum() or 1.0)
@@ -550,10 +545,3 @@ class DutyCycle(Revolutions):
         if rolled >= 0:
             restored["weights"] = tuple(float(k == rolled) for k in range(blocks))
         return restored
-
-
-def _share_among_equal(spectrum: Spectrum) -> np.ndarray:
-    """Return the share of each block in the revolutions of all blocks equal to it."""
-    each = zip(spectrum.each, spectrum.places, strict=True)
-    share = [n / spectrum.revolutions[k] for n, k in each]
-    return np.reshape(share, (-1, 1, 1))

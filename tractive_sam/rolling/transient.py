@@ -380,7 +380,7 @@ class Moment(Step):
             **per_distance,
         }
         if course.table.stage:
-            values["stage"] = course.stage_index(self.stretch)
+            values["stage"] = course.table.stages.index(course.stage(self.stretch))
         may_store = not course.shift_comes_next(self.stretch, self.distance)
         return StepRecord(contact, values, may_store)
 
@@ -534,19 +534,16 @@ class TransientProcess(Process[Moment]):
                 last = replace(last, stretch=last.stretch + 1, wish=0.0)
                 if courses.rolls(last.stretch) != rolled:  # nothing to extrapolate from
                     last = replace(last, before=None, length=0.0)
-                if courses.shifted(last.stretch):
-                    last = self._take_jump(last)
+                if courses.shifted(last.stretch):  # a step without distance
+                    stretch, at = last.stretch, last.distance
+                    inputs = self._input(0.0, courses.at(at, stretch), courses.jump(stretch), at)
+                    jumped = self.stepper.step(last.result, inputs)
+                    last = self._moment(last, jumped, at, stretch, 0.0)
                     yield last
             else:
                 for moment in self._roll_stretch(last):
                     last = moment
                     yield last
-
-    def _take_jump(self, last: Moment) -> Moment:
-        """Return the moment after a step without distance, in which prescribed values jump."""
-        stretch, at = last.stretch, last.distance
-        inputs = self._input(0.0, self.courses.at(at, stretch), self.courses.jump(stretch), at)
-        return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _roll_stretch(self, last: Moment) -> Iterator[Moment]:
         """Yield the moments from one knot to the next, including those to save."""

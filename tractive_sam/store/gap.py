@@ -281,11 +281,6 @@ def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
     return values if (scale, offset) == (1.0, 0.0) else scale * values + offset
 
 
-def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
-    """Return the gap in an .npy file: fields x, y, separation, or a matrix."""
-    return _gap_from_array(settings, read_array(path))
-
-
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in an .npz file: x, y and separation (or height, z), or a single array."""
     arrays = read_archive(path)
@@ -487,7 +482,7 @@ def _gap_from_profile(
 _READERS = {
     ".h5": _read_hdf5,
     ".nc": _read_netcdf,
-    ".npy": _read_npy,
+    ".npy": lambda path, settings: _gap_from_array(settings, read_array(path)),
     ".npz": _read_npz,
     **dict.fromkeys(TEXTS, _read_text),
 }

@@ -92,22 +92,12 @@ def _read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
     return {name: file.row(f"state/{name}", row % slots) for name in FIELDS}
 
 
-def _read_legacy_bodies(file: ResultsFile) -> tuple[str, ...]:
-    """Return the bodies with stored stress in an old file; () if there are none."""
-    return file.labels("history/body") if "history/body" in file else ()
-
-
 def _read_legacy_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
     """Return (first row, versions) of the programs that computed an old file."""
     version_prefix = "version_"
     names = [name for name in file.attributes("scene") if name.startswith(version_prefix)]
     packages = {name.removeprefix(version_prefix): file.text("scene", name) for name in names}
     return ((0, packages),)
-
-
-def _column_names(column: str) -> tuple[str, ...]:
-    """Return the present name of a column and its name in old files."""
-    return column, *(before for before, present in RENAMED_COLUMNS.items() if present == column)
 
 
 def write_legacy_history(
@@ -195,7 +185,8 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
             stored_row = int(file.attribute("state", "record")) if file.records else -1
             if stored_row != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
-            mesh = _shape_of_fields(file)
+            blocks = (file.length("fields/block"),) if "fields/block" in file else ()
+            mesh = (*blocks, file.length("grid/x"), file.length("grid/y"))
             names = _stored_names("state", (*FIELDS, *BEFORE, BOUND.name), file)
             fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
             arrays = (
@@ -286,12 +277,6 @@ def _read_tables(
     return tables
 
 
-def _shape_of_fields(file: ResultsFile) -> tuple[int, ...]:
-    """Return the shape of the fields of a record: ([n_block,] n_x, n_y)."""
-    blocks = (file.length("fields/block"),) if "fields/block" in file else ()
-    return (*blocks, file.length("grid/x"), file.length("grid/y"))
-
-
 def _read_column(
     file: ResultsFile, column: Quantity, records: int, mesh: tuple[int, int]
 ) -> np.ndarray:
@@ -300,14 +285,16 @@ def _read_column(
     for dim in {"block", *PROFILES}.intersection(column.dims):
         lengths[dim] = file.length(f"history/{dim}")
     shape = tuple(lengths[k] if k in lengths else len(LABELS[k]) for k in column.dims)
-    names = (f"history/{name}" for name in _column_names(column.name))
+    before = [name for name, present in RENAMED_COLUMNS.items() if present == column.name]
+    names = (f"history/{name}" for name in (column.name, *before))
     name = next((name for name in names if name in file), None)
     if name is None and column.role != COORDINATE:
         return np.full((records, *shape), np.nan)
     name = name or f"history/{column.name}"
     if column.dims[:1] != ("body",) or file.version > 1:
         return file.numbers(name, (records, *shape))
-    values, stored_bodies = np.full((records, *shape), np.nan), _read_legacy_bodies(file)
+    values = np.full((records, *shape), np.nan)
+    stored_bodies = file.labels("history/body") if "history/body" in file else ()
     stored = file.numbers(name, (records, len(stored_bodies), *shape[1:]))
     for k, body in enumerate(stored_bodies):
         values[:, BODIES.index(body)] = stored[:, k]

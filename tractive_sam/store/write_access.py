@@ -238,14 +238,10 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
     except OutputError as error:
         raise StorageError(str(error)) from error
     except Exception as error:
-        if not _is_of_disk(error):
+        # Errors of the disk that h5py raises.
+        if not (isinstance(error, OSError | RuntimeError) or "errno = " in str(error)):
             raise
         raise StorageError(f"{path} cannot be written: {describe_os_error(error)}") from error
-
-
-def _is_of_disk(error: Exception) -> bool:
-    """Return whether h5py's error comes from the disk: OSError, RuntimeError or an errno text."""
-    return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
 class _UnfailingFile(io.RawIOBase):

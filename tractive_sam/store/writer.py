@@ -17,7 +17,6 @@ from typing import Self
 from uuid import uuid4
 
 import numpy as np
-from h5py import File
 
 from tractive_sam import interrupt
 from tractive_sam.results import Grid, LawRecord, Quantity, Record, widen_field
@@ -230,7 +229,11 @@ class HistoryWriter:
         pending.append(record)
         if state is not None and record.values["converged"]:
             self._state = stored + len(pending) - 1, dict(state)
-        self._pending_bytes += _field_bytes(record)
+        self._pending_bytes += sum(
+            variable.data.nbytes
+            for table in record.tables.values()
+            for variable in table.variables.values()
+        )
         if self._pending_bytes > PENDING_BYTES or self._checkpoints.is_due:
             with self._checkpoints.take():
                 self._write()
@@ -253,7 +256,9 @@ class HistoryWriter:
     def _write(self, ended: tuple[str, str] | None = None) -> None:
         """Write pending records, resume state and status to a copy, which replaces the file."""
         with atomic_rewrite(self.path) as file:
-            self._check_run(file)
+            if file.attrs.get(self.run) != self._run.encode():
+                cure = "choose a separate file for each run"
+                raise ResultsError(f"another run has taken over {self.path}; {cure}")
             if self._grid is not None:
                 tables.widen(file, self._grid)
             stored, pending = self._pending
@@ -269,18 +274,6 @@ class HistoryWriter:
             stored = len(file["history/record"])
         self._pending, self._pending_bytes = (stored, []), 0
         self._state = None
-
-    def _check_run(self, file: File) -> None:
-        """Raise a ResultsError if another run has taken over the file."""
-        if file.attrs.get(self.run) != self._run.encode():
-            cure = "choose a separate file for each run"
-            raise ResultsError(f"another run has taken over {self.path}; {cure}")
-
-
-def _field_bytes(record: Record) -> int:
-    """Return the size of the fields and other arrays that are stored of a record, bytes."""
-    variables = [v for table in record.tables.values() for v in table.variables.values()]
-    return sum(variable.data.nbytes for variable in variables)
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:

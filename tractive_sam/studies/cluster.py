@@ -171,13 +171,11 @@ def _silence_worker(dask_worker: "Worker") -> None:
     would print a traceback.
     """
     logging.getLogger("distributed.worker.state_machine").setLevel(logging.ERROR)
-    logging.getLogger("distributed.worker").addFilter(_is_no_lost_connection)
+    logging.getLogger("distributed.worker").addFilter(
+        # An OSError comes from a lost connection.
+        lambda record: not (record.exc_info and isinstance(record.exc_info[1], OSError))
+    )
     dask_worker.http_server.stop()
-
-
-def _is_no_lost_connection(record: logging.LogRecord) -> bool:
-    """Return whether to log a message: its error is no OSError from a lost connection."""
-    return not (record.exc_info and isinstance(record.exc_info[1], OSError))
 
 
 @contextmanager

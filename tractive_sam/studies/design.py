@@ -155,16 +155,12 @@ class Values(Table):
 
 def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
     """Report zipped keys with another number of values than the axis."""
-    wanted = _length(entries["values"], entries["number"])
+    values = entries["values"]
+    wanted = entries["number"] if values is None else len(values)
     for k, zipped in enumerate(entries["zip"]):
         if len(zipped.column()) != wanted:
             value = f"{len(zipped.column())} values"
             yield Fault(f"zip[{k}].values", value, f"{wanted}, as many as the axis has")
-
-
-def _length(values: tuple | None, number: int | None) -> int | None:
-    """Return the number of values in a list; if there is no list, the number of a range."""
-    return number if values is None else len(values)
 
 
 def _check_zipped_entries(entries: ValidEntries) -> Iterator[Fault]:
@@ -304,15 +300,10 @@ def _spread_values(
         values = start * (stop / start) ** shares
     else:
         values = start + (stop - start) * shares
-    if _is_integer(key):
+    kind = Scene.find_field(key).annotation
+    if kind is int or int in get_args(kind):
         return tuple(round(value) for value in values.tolist())
     return tuple(float(f"{value:.{digits}g}") for value in values.tolist())
-
-
-def _is_integer(key: str) -> bool:
-    """Return whether the values of a key of the scene are integers."""
-    kind = Scene.find_field(key).annotation
-    return kind is int or int in get_args(kind)
 
 
 class StudyError(SceneError):
@@ -628,10 +619,16 @@ def cases(study: Study) -> list[Case]:
             new = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
             listed.append(case)
         for fault in new:
-            # Many cases share a fault: it is reported once, with their number.
             faults.setdefault((fault.key, fault.given), []).append((fault, case))
-    if faults:
-        raise StudyError(_merge_faults(same) for same in faults.values())
+    if faults:  # many cases share a fault: it is reported once, with their number
+        wheres = [
+            f"{same[0][1]}" if len(same) == 1 else f"{same[0][1]} and {len(same) - 1} more"
+            for same in faults.values()
+        ]
+        raise StudyError(
+            replace(same[0][0], given=f"{same[0][0].given} in {where}")
+            for same, where in zip(faults.values(), wheres, strict=True)
+        )
     return listed
 
 
@@ -641,13 +638,6 @@ def _changes(study: Study) -> Iterator[dict[str, Any]]:
     for index in np.ndindex(study.shape):
         places = zip(dimensions, index, strict=True)
         yield {key: value for dimension, k in places for key, value in dimension.at(k).items()}
-
-
-def _merge_faults(same: list[tuple[Fault, Case]]) -> Fault:
-    """Return the first of equal faults, with the number of cases that have it."""
-    fault, case = same[0]
-    where = f"in {case}" if len(same) == 1 else f"in {case} and {len(same) - 1} more"
-    return replace(fault, given=f"{fault.given} {where}")
 
 
 def _digest(scene: Scene) -> str:

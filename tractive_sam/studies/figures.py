@@ -127,9 +127,10 @@ def study_figures(
     fixed = {short_key(key, results.study): value for key, value in (at or {}).items()}
     named = ", ".join(f"{key} = {value}" for key, value in fixed.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
+    places = [re.sub(r"[^\w.+-]", "_", f"{key}{value}") for key, value in fixed.items()]
     for name in names:
         for kind, draw in _figures(results, name, index, title):
-            stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
+            stem = "-".join((name.replace(" ", "-"), kind, *places))
             caption = f"{results.quantities[name].long_name}, in the last record of each case."
             yield Drawing(stem, caption[0].upper() + caption[1:], draw)
 
@@ -196,12 +197,6 @@ def _size(results: Tabulated, name: str) -> float:
     if name in ("Qx_over_P", "Qy_over_P", "stick_fraction"):
         return 1.0
     return float(np.nanmax(np.abs(results.column(name))))
-
-
-def _name_parts(fixed: Mapping[str, Any]) -> Iterator[str]:
-    """Yield "keyvalue" for each fixed axis, as parts of a file name."""
-    for key, value in fixed.items():
-        yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
 
 
 def _figures(

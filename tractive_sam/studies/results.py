@@ -483,14 +483,10 @@ class StudyResults:
                 "version": [row.version for row in rows],
             }
         for name in names:
-            heading = self._heading(name) if units else name
+            unit = self.quantities[name].unit if units else "1"
+            heading = f"{name} [{unit}]" if unit not in ("", "1") else name
             columns[heading] = [row.last.get(name, "") for row in rows]
         return columns
-
-    def _heading(self, name: str) -> str:
-        """Return the heading of a column in a CSV file, with its unit."""
-        unit = self.quantities[name].unit
-        return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
 def _stored_contents(folder: Folder) -> Iterator[FileContent]:

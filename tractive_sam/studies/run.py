@@ -67,6 +67,8 @@ def explain_study(study: Study, workers: int) -> Description:
     # The last record of a case takes 2 kB.
     volume = sum(map(_file_size, models)) if files else 2e3 * len(all_cases)
     memory_each = f"about {max(map(memory.scene_bytes, models)) / 2**20:.0f} MiB a worker"
+    size = f"{volume / 1e6:.0f} MB" if volume > 1e6 else f"{volume / 1e3:.0f} kB"
+    number = f"{len(all_cases)} files" if files and len(all_cases) > 1 else "one file"
     total = max(seconds.sum() / workers, seconds.max())
     shortest, longest = format_duration(min(seconds)), format_duration(max(seconds))
     work = [
@@ -74,16 +76,10 @@ def explain_study(study: Study, workers: int) -> Description:
         ("all cases", f"about {format_duration(seconds.sum())} of one core"),
         (f"with {workers} workers", f"about {format_duration(total)}; set others by --workers N"),
         ("memory", f"{memory_each}, and {explain.PROGRAM_MEMORY} MiB for programs"),
-        ("results", _describe_space(volume, len(all_cases) if files else 1)),
+        ("results", f"at most about {size} in {number}"),
     ]
     axes = [*_describe_axes(study), ("in all", f"{len(all_cases)} cases")]
     return Description((Section("Cases", axes), Section("Work", work)))
-
-
-def _describe_space(volume: float, files: int) -> str:
-    """Describe an amount of disk space, bytes, and a number of files as text."""
-    size = f"{volume / 1e6:.0f} MB" if volume > 1e6 else f"{volume / 1e3:.0f} kB"
-    return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
 
 
 def estimate_times(scenes: Iterable[Scene], with_files: bool = True) -> list[float]:
@@ -164,7 +160,9 @@ def _estimate_times(
     kinds = defaultdict(list)
     for model in models:
         kinds[memory.fields_per_operator(model), type(model.elasticity)].append(model)
-    pace = {kind: _pace(alike) for kind, alike in kinds.items()}
+    # Measured seconds of an elastic response of the median model, per unit of work.
+    medians = {kind: sorted(alike, key=_work)[len(alike) // 2] for kind, alike in kinds.items()}
+    pace = {k: explain.seconds_per_application(m) / _work(m) for k, m in medians.items()}
     return [
         file * with_files
         + pace[memory.fields_per_operator(model), type(model.elasticity)]
@@ -173,12 +171,6 @@ def _estimate_times(
         * (1.0 if model.method.predictable else uzawa)
         for model in models
     ]
-
-
-def _pace(alike: list[Model]) -> float:
-    """Return the measured seconds of an elastic response of the median model, per unit of work."""
-    typical = sorted(alike, key=_work)[len(alike) // 2]
-    return explain.seconds_per_application(typical) / _work(typical)
 
 
 def _work(model: Model) -> float:
