@@ -23,8 +23,8 @@ Names by topic
 
 **Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Relaxation, RollerProfile, Conformal, Load,
 Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface,
-Fatigue, FatigueVolume, Strength, Residual, ResidualStress, Inclusion, Heat, Bulk, Thermal;
-builtin_names
+Fatigue, FatigueVolume, Strength, LayerStrength, Residual, ResidualStress, Inclusion, Heat, Bulk,
+Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of

@@ -108,6 +108,7 @@ from .scene import Gap as Gap
 from .scene import Grinding as Grinding
 from .scene import Heat as Heat
 from .scene import Inclusion as Inclusion
+from .scene import LayerStrength as LayerStrength
 from .scene import Load as Load
 from .scene import LoadCourse as LoadCourse
 from .scene import LoadHistory as LoadHistory

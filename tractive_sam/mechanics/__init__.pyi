@@ -72,6 +72,7 @@ from .relaxation import FadingMemory as FadingMemory
 from .relaxation import RelaxingBody as RelaxingBody
 from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces
 from .relaxation import creep_terms as creep_terms
+from .steel import LayeredSteel as LayeredSteel
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel
 from .steel import limit_from_bending as limit_from_bending

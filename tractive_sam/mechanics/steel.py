@@ -56,6 +56,137 @@ class Steel(Law):
         return np.stack([0.0 * np.asarray(zeta, float) if v is None else v for v in values])
 
 
+@dataclass(frozen=True)
+class LayeredSteel(Steel):
+    """Strength and life of a body with layers, whose `curves` are those of the body below them.
+
+    A lower face belongs to the layer above it, and nothing is interpolated across a face. Layers
+    are numbered from the surface, from 0; the last number is that of the body below.
+
+    Parameters
+    ----------
+    faces : ndarray, shape (layers,)
+        Depths of the lower faces of the layers below the unworn surface, mm.
+    layers : tuple of mapping of str to float
+        "limit" and "shear_yield" of each layer, MPa; all layers have the same names.
+    lives : tuple of (float, float, bool)
+        Parameters of `Woehler` for each layer and for the body below.
+    groups : tuple of int
+        Group of each layer and of the body below: in a group the equivalent stress of the criterion
+        is continuous.
+    distinct : int
+        Number of the upper layers with interfaces of the elastic body; the layers below are
+        elastically one with the body.
+    common_limit : float
+        Limit of the stress that `stack` returns, MPa.
+
+    Examples
+    --------
+    >>> lives = (1e5, 4.0, False), (1e7, 10.0, False)
+    >>> steel = {"limit": (np.array([0.0]), np.array([300.0]))}
+    >>> coated = LayeredSteel(steel, np.array([0.1]), ({"limit": 50.0},), lives, (0, 1), 1, 300.0)
+    >>> coated.at("limit", [0.0, 0.1, 0.1 + 1e-9])
+    array([ 50.,  50., 300.])
+    """
+
+    faces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    layers: tuple[Mapping[str, float], ...] = ()
+    lives: tuple[tuple[float, float, bool], ...] = ()
+    groups: tuple[int, ...] = (0,)
+    distinct: int = 0
+    common_limit: float = 1.0
+
+    def layer_at(
+        self, zeta: ArrayLike, elastic: NDArray[np.int_] | None = None
+    ) -> NDArray[np.int_]:
+        """Return the numbers of the layers at depths below the unworn surface, mm, shape (...).
+
+        Parameters
+        ----------
+        zeta : array_like, shape (...)
+            Depths, mm.
+        elastic : ndarray of int, optional
+            Number of the elastic layer whose stress is known there: only its material is returned.
+        """
+        number = np.searchsorted(self.faces, np.asarray(zeta, float))
+        if elastic is None:
+            return number
+        last = np.where(elastic < self.distinct, elastic, self.faces.size)
+        return np.clip(number, elastic, last)
+
+    def at(
+        self, name: str, zeta: ArrayLike, layer: NDArray[np.int_] | None = None
+    ) -> NDArray[np.float64] | None:
+        """Return values at depths, by default of the layers there (`Steel.at`, `layer_at`)."""
+        below = super().at(name, zeta)
+        if below is None or name not in self.layers[0]:
+            return below
+        number = self.layer_at(zeta) if layer is None else layer
+        values = np.array([*(part[name] for part in self.layers), math.nan])
+        return np.where(number < len(self.layers), values[number], below)
+
+    def stack(
+        self,
+        depth: NDArray[np.float64],
+        used: NDArray[np.float64],
+        layer: NDArray[np.int_],
+    ) -> NDArray[np.float64]:
+        """Return the profiles of all groups, one after the other, (..., n_y, groups n).
+
+        Beyond its depths a profile is constant; on the other side of an interface of two adjacent
+        depths it continues. A group that is worn off has zeros.
+
+        Parameters
+        ----------
+        depth : ndarray, shape (n,)
+            Depths below the present surface, ascending, mm.
+        used : ndarray, shape (..., n_y, n)
+            Equivalent stress over the common limit.
+        layer : ndarray of int, shape (n_y, n)
+            Number of the layer.
+        """
+        if not any(self.groups):
+            return used
+        root, number, parts = np.sqrt(depth), np.arange(depth.size), []
+        for group in range(max(self.groups) + 1):
+            inside = np.array(self.groups)[layer] == group
+            first = inside.argmax(axis=1)[:, None]
+            last = depth.size - 1 - inside[:, ::-1].argmax(axis=1)[:, None]
+            place = np.clip(number, first, last)
+            part = np.take_along_axis(used, np.broadcast_to(place, used.shape), axis=-1)
+            for end, step, beyond in ((last, 1, number > last), (first, -1, number < first)):
+                inner, outer = np.clip(end - step, first, last), np.clip(end + step, 0, number[-1])
+                run, gap = abs(root[end] - root[inner]), abs(root[outer] - root[end])
+                ends, inners = (
+                    np.take_along_axis(used, np.broadcast_to(at, (*used.shape[:-1], 1)), axis=-1)
+                    for at in (end, inner)
+                )
+                share = np.divide(gap, run, out=np.zeros_like(run), where=gap < 1e-3 * run)
+                further = np.maximum(ends + share * (ends - inners), 0.0)
+                part = np.where(beyond, further, part)
+            parts.append(np.where(inside.any(axis=1)[:, None], part, 0.0))
+        return np.concatenate(parts, axis=-1)
+
+    def utilisation(
+        self,
+        used: NDArray[np.float64],
+        layer: NDArray[np.int_],
+        limit: NDArray[np.float64],
+    ) -> NDArray[np.float64]:
+        """Return the utilisation (..., n_y, n) from the profiles of `stack`.
+
+        Parameters
+        ----------
+        used : ndarray, shape (..., n_y, groups n)
+            From `stack`.
+        layer, limit : ndarray, shape (n_y, n)
+            Number of the layer, and its fatigue limit, MPa.
+        """
+        place = np.array(self.groups)[layer] * layer.shape[1] + np.arange(layer.shape[1])
+        place = np.broadcast_to(place, (*used.shape[:-1], layer.shape[1]))
+        return np.take_along_axis(used, place, axis=-1) * (self.common_limit / limit)
+
+
 def strength_from_hardness(
     hardness: ArrayLike, inclusion: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -140,6 +140,7 @@ _of_bodies = partial(Quantity, dims=("body",), bodies_of="fatigue")
 _fatigue = partial(_of_bodies, needs=("fatigue.limit",))
 _volume = partial(_of_bodies, needs=("fatigue.volume",))
 _shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
+_layer = partial(_of_bodies, unit="1", format="g", needs=("fatigue.limit", "fatigue.is_layered"))
 _position = partial(_fatigue, dims=("body", "position"))
 
 
@@ -182,6 +183,8 @@ FATIGUE_COLUMNS = (
              format=".3f", over_blocks="largest"),
     _position("utilisation_at", "mm", "position of the largest utilisation (x only in a "
                                       "transient, y, depth)", place_of="utilisation"),
+    _layer("utilisation_layer", long_name="layer with the largest utilisation, 0 at the surface"),
+    _layer("failing_layer", long_name="layer with the shortest fatigue_life, 0 at the surface"),
     _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
              symbol="D", format=".3g"),
     _position("damage_at", "mm", "position of the largest damage (x only in a transient, y, "

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from tractive_sam.mechanics import (
     VON_MISES,
     Criterion,
     CycleCriterion,
+    LayeredSteel,
     StressCriterion,
     max_shear,
     principal_stresses,
@@ -52,6 +53,8 @@ FATIGUE_FIELDS = index_by_name(
         Quantity("residual_yy", "MPa", "residual stress of the material in y", dims=("y", "depth")),
         Quantity("local_limit", "MPa", "fatigue limit of the material", dims=("y", "depth")),
         Quantity("local_yield", "MPa", "yield stress in shear of the material",
+                 dims=("y", "depth")),
+        Quantity("local_layer", "1", "number of the layer, from the surface down, from 0",
                  dims=("y", "depth")),
         Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
         Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
@@ -265,6 +268,8 @@ class BodyFatigue(ShortArrays):
         Residual stress of the material, MPa; of bodies with residual stress.
     local_limit, local_yield : ndarray, shape (n_y, n)
         Fatigue limit, and yield stress in shear, MPa; of bodies whose strength depends on depth.
+    local_layer : ndarray, shape (n_y, n)
+        Number of the layer, from the surface down, from 0; of bodies with strengths of layers.
     zeta : ndarray, shape (m,)
         Depths of the material below the *unworn* surface, mm; of a roll with a limit.
     damage : ndarray, shape (n_y, m)
@@ -272,6 +277,8 @@ class BodyFatigue(ShortArrays):
         is its last one.
     worn : ndarray, shape (n_y,)
         Depth worn off this body, mm.
+    steel : LayeredSteel, optional
+        Material of the layers, of a body with their strengths that was not read from a file.
 
     Examples
     --------
@@ -294,9 +301,14 @@ class BodyFatigue(ShortArrays):
     residual_yy: np.ndarray = field(default_factory=_empty)
     local_limit: np.ndarray = field(default_factory=_empty)
     local_yield: np.ndarray = field(default_factory=_empty)
+    local_layer: np.ndarray = field(default_factory=_empty)
     zeta: np.ndarray = field(default_factory=_empty)
     damage: np.ndarray = field(default_factory=_empty)
     worn: np.ndarray = field(default_factory=_empty)
+    steel: LayeredSteel | None = field(default=None, repr=False)
+
+    largest_log: ClassVar[float] = 690.0
+    """Logarithm of the largest damage that is extrapolated to the surface; e^710 overflows."""
 
     @property
     def table(self) -> Table:
@@ -325,8 +337,8 @@ class BodyFatigue(ShortArrays):
         table = rows[row]
         names = ("y", "depth", "zeta", *FATIGUE_FIELDS)
         arrays = {name: table[name] if name in table else _empty() for name in names}
-        criterion = table.attributes.get("criterion")
-        return cls(body, **arrays, criterion=criterion, shear_yield=shear_yield)
+        named: dict[str, Any] = arrays | {"criterion": table.attributes.get("criterion")}
+        return cls(body, shear_yield=shear_yield, **named)
 
     def with_damage(self, zeta: np.ndarray, damage: np.ndarray, worn: np.ndarray) -> Self:
         """Return a copy with damage at depths zeta below the new surface, and the wear depth."""
@@ -339,6 +351,15 @@ class BodyFatigue(ShortArrays):
         At the surface it is extrapolated exponentially from the two depths below; inside it is
         refined by a parabola.
         """
+        return self.largest_damage()
+
+    def largest_damage(
+        self, layer: np.ndarray | None = None
+    ) -> tuple[float, tuple[float, float, float]]:
+        """Return `damage_max`; no parabola joins material with different numbers `layer` (n_y, m).
+
+        Both sides of each interface are among the depths zeta: `layer` is needed for others only.
+        """
         if not self.damage.size:
             return math.nan, (math.nan,) * 3
         remaining = self.zeta >= self.worn[:, None]
@@ -348,15 +369,19 @@ class BodyFatigue(ShortArrays):
         j, k = (int(index) for index in np.unravel_index(np.argmax(inside), inside.shape))
         value, at = float(inside[j, k]), (math.nan, float(self.y[j]), float(self.zeta[k]))
         if k and remaining[j, k - 1]:
-            depth, more = _parabola_tops(self.zeta, inside[j])
+            row_layer = None if layer is None else layer[j]
+            depth, more = _parabola_tops(self.zeta, inside[j], row_layer)
             value, at = value + float(more[k]), (math.nan, at[1], float(depth[k]))
         first = np.minimum(np.argmax(remaining, axis=1), self.zeta.size - 2)
         row = np.arange(self.y.size)
         here, below = self.damage[row, first], self.damage[row, first + 1]
-        step = (self.worn - self.zeta[first]) / (self.zeta[first + 1] - self.zeta[first])
+        gap = self.zeta[first + 1] - self.zeta[first]
+        step = (self.worn - self.zeta[first]) / gap
+        step = np.where(gap < 1e-8 * self.zeta[first], 0.0, step)  # sides of an interface
         log = np.log(np.maximum((here, below), 1e-300))
         reached = remaining.any(axis=1) & (here > 0.0)
-        surface = np.where(reached, np.exp(log[0] + step * (log[1] - log[0])), 0.0)
+        log = np.minimum(log[0] + step * (log[1] - log[0]), self.largest_log)
+        surface = np.where(reached, np.exp(log), 0.0)
         j = int(np.argmax(surface))
         if surface[j] > value:
             return float(surface[j]), (math.nan, float(self.y[j]), float(self.worn[j]))
@@ -384,23 +409,25 @@ class BodyFatigue(ShortArrays):
         surface, surface_at = float(values[row, 0]), (math.nan, float(self.y[row]), 0.0)
         if depth[0] > 0.0:
             surface, surface_at = math.nan, (math.nan,) * 3
-        interior, interior_at = self._interior(depth[depth > 0.0], values[:, depth > 0.0])
+        layer = self.local_layer[:, inside] if self.local_layer.size else 0.0 * values
+        below = depth > 0.0
+        interior, interior_at = self._interior(depth[below], values[:, below], layer[:, below])
         higher = not (surface >= interior or math.isnan(interior))
         value, at = (interior, interior_at) if higher else (surface, surface_at)
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
 
     def _interior(
-        self, depth: np.ndarray, below: np.ndarray
+        self, depth: np.ndarray, below: np.ndarray, layer: np.ndarray
     ) -> tuple[float, tuple[float, float, float]]:
-        """Return the largest value below the surface and (nan, y, depth), by parabolas.
+        """Return the largest value below the surface and (nan, y, depth), by parabolas in a layer.
 
         A parabola through the largest value alone would not suffice: the best residual stress of a
         depth makes two rows equal, so that rounding would choose between their parabolas.
         """
         if not depth.size:
             return math.nan, (math.nan,) * 3
-        y, gain_y = _parabola_tops(self.y, below)
-        depth, gain_z = (array.T for array in _parabola_tops(depth, below.T))
+        y, gain_y = _parabola_tops(self.y, below, layer)
+        depth, gain_z = (array.T for array in _parabola_tops(depth, below.T, layer.T))
         total = below + gain_y + gain_z
         at = np.unravel_index(np.argmax(total), total.shape)
         return float(total[at]), (math.nan, float(y[at]), float(depth[at]))
@@ -425,7 +452,9 @@ class BodyFatigue(ShortArrays):
         return math.inf if shear == 0.0 else self.shear_yield / shear
 
 
-def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _parabola_tops(
+    x: np.ndarray, values: np.ndarray, layer: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return places of local parabola tops, and their heights above the values (0 if not near).
 
     Parameters
@@ -434,12 +463,15 @@ def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
         Ascending places.
     values : ndarray, shape (n, ...)
         Values there.
+    layer : ndarray, shape (n, ...), optional
+        Number of the layer there.
 
     Returns
     -------
     place, gain : ndarray, shape (n, ...)
         Place of each top, and its height above the value. At an end, and if the top is farther
-        away than the neighbours, the place itself and 0; so also on both sides of an interface.
+        away than the neighbours, the place itself and 0; so also on both sides of an interface, and
+        next to another layer.
     """
     places = x.reshape(-1, *(1,) * (values.ndim - 1))
     place, gain = np.broadcast_to(places, values.shape).copy(), np.zeros(values.shape)
@@ -450,6 +482,8 @@ def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.nd
     step = np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature > 0.0)
     near = (-before <= step) & (step <= after)
     near &= (before > 1e-6 * after) & (after > 1e-6 * before)  # an interface: values may jump
+    if layer is not None:
+        near &= (layer[1:-1] == layer[:-2]) & (layer[1:-1] == layer[2:])
     place[1:-1] += np.where(near, step, 0.0)
     gain[1:-1] = 0.5 * slope * np.where(near, step, 0.0)
     return place, gain

@@ -46,7 +46,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.mechanics import VolumeLife, Woehler, interpolate_over_depth
+from tractive_sam.mechanics import (
+    LayeredSteel,
+    Steel,
+    VolumeLife,
+    Woehler,
+    interpolate_over_depth,
+)
 from tractive_sam.results import BodyFatigue, widen_field
 from tractive_sam.scene import Fatigue, Scene, Spectrum
 from tractive_sam.schema import required
@@ -287,7 +293,8 @@ class BodyDamage:
     fatigue : BodyFatigue
         The last passes, and the damage so far.
     utilisation, utilisation_before : ndarray, shape (blocks, n_y, n)
-        Utilisation in each block, in this record and in the one before.
+        Utilisation in each block, in this record and in the one before; of bodies with strengths of
+        their layers the profiles of `LayeredSteel.stack`.
     rate : ndarray, shape (n_y,)
         Depth that a revolution wears off it, mm.
     passes : float
@@ -346,9 +353,20 @@ class BodyDamage:
 
         It is systematic and does not depend on the length of jumps.
         """
-        criterion = self.fatigue.criterion
+        criterion, steel = self.fatigue.criterion, self.fatigue.steel
         error = 0.0 if criterion is None else criterion.path_error
-        return self.fatigue.damage_max[0] * life.relative_error(error)
+        top, at = self.fatigue.damage_max
+        if steel is not None:
+            life = Woehler(*steel.lives[int(steel.layer_at(at[2]))])
+        return top * life.relative_error(error)
+
+    def of_block(self, block: int) -> np.ndarray:
+        """Return the utilisation in a block, (n_y, n)."""
+        fatigue, used = self.fatigue, self.utilisation[block]
+        if fatigue.steel is None:
+            return used
+        layer = fatigue.local_layer.astype(int)
+        return fatigue.steel.utilisation(used, layer, fatigue.local_limit)
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
         """Return the values of the body's damage columns by name; empty without a `life` law."""
@@ -357,9 +375,13 @@ class BodyDamage:
         fatigue, used, each = self.fatigue, self.utilisation, self.passes or 1.0
         top, at = fatigue.damage_max
         # At the depths of the damage, so that without wear the life is the inverse of the damage.
-        new = each * _per_pass(life, shares, fatigue.depth, used, fatigue.zeta)
-        largest, _ = fatigue.with_damage(fatigue.zeta, new, 0.0 * self.rate).damage_max
-        balance = each * _integrate_damage(fatigue.depth, used, life, shares)
+        steel, below = fatigue.steel, fatigue.zeta + fatigue.worn[:, None]
+        new = each * _per_pass(fatigue, life, shares, used, fatigue.zeta, below)
+        unworn = fatigue.with_damage(fatigue.zeta, new, 0.0 * self.rate)
+        layer = None if steel is None else steel.layer_at(below)
+        largest, weakest = unworn.largest_damage(layer)
+        row = int(np.argmin(abs(fatigue.y - weakest[1])))
+        balance = each * _integrate_damage(fatigue, used, life, shares)
         works = balance > 0.1 * balance.max()  # rows with little damage have any margin
         margin = (self.rate[works] / balance[works]).min() if works.any() else math.inf
         return {
@@ -370,19 +392,61 @@ class BodyDamage:
             "fatigue_life": 1.0 / largest if largest > 0.0 else math.inf,
             "wear_margin": float(margin) if self.passes and self.rate.any() else math.nan,
             "balancing_wear": balance,
-        }
+        } | layer_column(steel, weakest[2] + fatigue.worn[row])
+
+
+def layer_column(steel: LayeredSteel | None, zeta: float) -> dict[str, float]:
+    """Return the column of the layer that fails first, at a depth below the unworn surface, mm.
+
+    It is empty without strengths of layers, and nan where there is no damage.
+    """
+    if steel is None:
+        return {}
+    return {"failing_layer": math.nan if math.isnan(zeta) else float(steel.layer_at(zeta))}
+
+
+def pass_damage(
+    fatigue: BodyFatigue, life: Woehler, used: np.ndarray, at: np.ndarray, zeta: np.ndarray
+) -> np.ndarray:
+    """Return the damage (n_y, m) of a pass, in each layer by its stress, limit and curve.
+
+    Parameters
+    ----------
+    fatigue : BodyFatigue
+        The body, with the depths of `used`.
+    life : Woehler
+        Wöhler curve of a body without strengths of its layers.
+    used : ndarray, shape (n_y, n)
+        Utilisation, or profiles of `LayeredSteel.stack`.
+    at, zeta : ndarray, shape (m,) or (n_y, m)
+        Depths below the present and below the unworn surface, mm.
+    """
+    steel = fatigue.steel
+    if steel is None:
+        return life.damage(interpolate_over_depth(fatigue.depth, used, at))
+    number = np.broadcast_to(steel.layer_at(zeta), (len(used), at.shape[-1]))
+    factor = steel.common_limit / np.asarray(steel.at("limit", zeta))
+    damage, groups = np.zeros(number.shape), np.split(used, max(steel.groups) + 1, axis=1)
+    for layer, (group, curve) in enumerate(zip(steel.groups, steel.lives, strict=True)):
+        here = number == layer
+        if here.any():
+            stress = factor * interpolate_over_depth(fatigue.depth, groups[group], at)
+            each = Woehler(*curve).damage(np.where(here, stress, 0.0))
+            damage = np.where(here, each, damage)
+    return damage
 
 
 def _per_pass(
-    life: Woehler, shares: tuple[float, ...], depth: np.ndarray, used: np.ndarray, at: np.ndarray
+    fatigue: BodyFatigue,
+    life: Woehler,
+    shares: tuple[float, ...],
+    used: np.ndarray,
+    at: np.ndarray,
+    zeta: np.ndarray,
 ) -> np.ndarray:
-    """Return the damage (n_y, m) per pass at the depths `at`, the weighted sum over blocks."""
+    """Return the damage (n_y, m) per pass (`pass_damage`), the weighted sum over blocks."""
     each = zip(shares, used, strict=True)
-    parts = [
-        share * life.damage(interpolate_over_depth(depth, block, at))
-        for share, block in each
-        if share
-    ]
+    parts = [share * pass_damage(fatigue, life, block, at, zeta) for share, block in each if share]
     return np.sum(parts, axis=0)
 
 
@@ -439,7 +503,7 @@ def after_jump(
     if life is None:
         return later
     if not last.passes:  # a flat body passes the contact only once
-        each = [life.damage(interpolate_over_depth(fatigue.depth, block, zeta)) for block in used]
+        each = [pass_damage(fatigue, life, block, zeta, zeta) for block in used]
         return replace(later, fatigue=fatigue.with_damage(zeta, np.max(each, axis=0), 0.0 * worn))
     added, missed = _damage_of_jump(last, later, shares, jump, life)
     fatigue = fatigue.with_damage(zeta, before.damage + last.passes * added, worn)
@@ -478,7 +542,7 @@ def _remaining_damage(
 ) -> np.ndarray:
     """Return the damage (n_y, m) per pass of the material points; 0 of those worn off."""
     deep = fatigue.zeta - worn[:, None]
-    per_pass = _per_pass(life, shares, fatigue.depth, used, np.maximum(deep, 0.0))
+    per_pass = _per_pass(fatigue, life, shares, used, np.maximum(deep, 0.0), fatigue.zeta)
     return np.where(deep >= 0.0, per_pass, 0.0)
 
 
@@ -539,6 +603,7 @@ def _block_order_error(
     damage = partial(_damage_of_block, before, life)
     ends = (previous.utilisation, later.utilisation), (before.worn, later.fatigue.worn)
     factors = order.load_factors(before.y, before.depth)
+    factors = np.tile(factors, previous.utilisation.shape[-1] // before.depth.size)
     return order.damage_error(damage, *ends, revolutions, factors)
 
 
@@ -553,16 +618,18 @@ def _interpolate_profile(
 
 
 def _integrate_damage(
-    depth: np.ndarray, used: np.ndarray, life: Woehler, shares: tuple[float, ...]
+    fatigue: BodyFatigue, used: np.ndarray, life: Woehler, shares: tuple[float, ...]
 ) -> np.ndarray:
     """Return the integral of the damage per pass over the depth, shape (n_y,), mm."""
+    depth = fatigue.depth
     number, cells = np.arange(depth.size), 8  # between two depths
     between = np.linspace(0, depth.size - 1, cells * (depth.size - 1) + 1)
     edges = np.interp(between, number, np.sqrt(depth))  # dz = 2 root d(root)
     widths = np.diff(edges)
     root = (edges[:-1, None] + NODES * widths[:, None]).ravel()
     weights = 2.0 * root * np.outer(widths, WEIGHTS).ravel()
-    return _per_pass(life, shares, depth, used, root**2) @ weights
+    zeta = fatigue.worn[:, None] + root**2
+    return _per_pass(fatigue, life, shares, used, root**2, zeta) @ weights
 
 
 AT_TOP = 0.9
@@ -598,8 +665,10 @@ def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
     }
     with np.errstate(divide="ignore"):
         yields = {body: float(1.0 / np.float64(value)) for body, value in inverse.items()}
+    layers = {body: _find_layer(cycle) for body, cycle in cycles.items() if cycle.local_layer.size}
     return (
         utilisation_columns(cycles)
+        | ({"utilisation_layer": layers} if layers else {})
         | ({"yield_factor": yields} if yields else {})
         | {
             "shakedown_lower": factors("value"),
@@ -611,6 +680,14 @@ def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
     )
 
 
+def _find_layer(cycle: BodyFatigue) -> float:
+    """Return the number of the layer with the largest utilisation; nan without a limit."""
+    _, y, depth = cycle.largest().at
+    if math.isnan(depth):
+        return math.nan
+    return float(cycle.local_layer[abs(cycle.y - y).argmin(), abs(cycle.depth - depth).argmin()])
+
+
 def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:
     """Return a remark on bodies loaded above the shakedown limit; empty if there are none."""
     factors = {body: cycle.shakedown_lower for body, cycle in cycles.items()}
@@ -620,6 +697,18 @@ def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:
     return (
         f"; stress is above the shakedown limit (load factor of body {', of '.join(above)}): the "
         "material yields, and this elastic stress is not its stress"
+    )
+
+
+def damage_remark(cycles: Mapping[str, BodyFatigue]) -> str:
+    """Return a remark on bodies with a damage that no life can have; empty if there are none."""
+    damages = {body: cycle.damage_max[0] for body, cycle in cycles.items()}
+    above = [f"{body} {top:.3g}" for body, top in damages.items() if top > Woehler.max_per_cycle]
+    if not above:
+        return ""
+    return (
+        f"; damage of body {', of '.join(above)}: its stress is so far above the limit that the "
+        "Wöhler curve gives no life, and the first pass starts a crack"
     )
 
 
@@ -668,14 +757,19 @@ def volume_error_bars(
     return errors
 
 
-def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:
+def life_error_bars(
+    columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler, steel: Mapping[str, Steel]
+) -> dict[str, float]:
     """Return the error bars of `fatigue_life` by body, from those of the utilisation.
 
     They are the increase of the life for the smallest utilisation; for the largest it changes less.
     """
     errors = {}
     for body, used in columns["utilisation"].items():
-        low, here = life.damage(np.array([used - bars[body], used]))
+        layer, layers, curve = columns.get("failing_layer", {}).get(body), steel.get(body), life
+        if isinstance(layers, LayeredSteel) and layer is not None and not math.isnan(layer):
+            curve = Woehler(*layers.lives[int(layer)])
+        low, here = curve.damage(np.array([used - bars[body], used]))
         if here > 0.0 and not math.isnan(bars[body]):
             longer = here / low - 1.0 if low > 0.0 else math.inf
             errors[body] = columns["fatigue_life"][body] * longer

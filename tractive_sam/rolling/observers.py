@@ -17,7 +17,7 @@ import numpy as np
 from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
-from tractive_sam.mechanics import VolumeLife
+from tractive_sam.mechanics import VolumeLife, Woehler
 from tractive_sam.results import (
     BODIES,
     BodyFatigue,
@@ -36,7 +36,9 @@ from tractive_sam.rolling.body_damage import (
     after_jump,
     block_orders,
     cycle_columns,
+    damage_remark,
     fatigue_columns,
+    layer_column,
     life_error_bars,
     material_depths,
     shakedown_remark,
@@ -395,7 +397,8 @@ class Damage(Observer):
         law = model.laws.volume
         tops = {} if law is None else surface_density_ratios(self.bodies, model, law)
         shallow = [body for body, top in tops.items() if top > AT_TOP]
-        remark = shakedown_remark({body: damage.fatigue for body, damage in self.bodies.items()})
+        cycles = {body: damage.fatigue for body, damage in self.bodies.items()}
+        remark = shakedown_remark(cycles) + damage_remark(cycles)
         if shallow:
             remark += (
                 f"; in body {' and '.join(shallow)} the density of the stressed volume is largest "
@@ -441,7 +444,9 @@ class Damage(Observer):
             }
         if "fatigue_life" in columns and bars["utilisation"] is not None:
             life = required(model.laws.life, "fatigue.limit")
-            columns["fatigue_life_error"] = life_error_bars(columns, bars["utilisation"], life)
+            columns["fatigue_life_error"] = life_error_bars(
+                columns, bars["utilisation"], life, model.scene.steel
+            )
         if "stressed_volume" in columns and bars["stressed_volume"] is not None:
             law = required(model.laws.volume, "fatigue.volume")
             volume = volume_error_bars(columns, bars["stressed_volume"], law)
@@ -451,7 +456,7 @@ class Damage(Observer):
     def record_block(self, block: int) -> dict[str, Any]:
         """Return the columns of the largest utilisation in a block, by name and body."""
         each = self.bodies.items()
-        cycles = {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
+        cycles = {k: replace(d.fatigue, utilisation=d.of_block(block)) for k, d in each}
         return utilisation_columns(cycles)
 
     def restore(self, passage: Passage, stored: StoredStep) -> Self:
@@ -479,10 +484,12 @@ class Damage(Observer):
             )
             local = LocalSteel.from_contact(passage.contact, body, depth, worn).fields()
             fatigue = BodyFatigue(
-                body, grid.y, depth, used.max(axis=0), shear, radius, None, shear_yield, **local
+                body, grid.y, depth, used[0], shear, radius, None, shear_yield, **local
             ).with_damage(zeta, damage, worn)
             passes, began = passage.turns[0].per_count[body], float(initiation[body])
-            bodies[body] = BodyDamage(fatigue, used, before, rate, passes, error, began)
+            restored = BodyDamage(fatigue, used, before, rate, passes, error, began)
+            largest = np.max([restored.of_block(k) for k in range(len(used))], axis=0)
+            bodies[body] = replace(restored, fatigue=replace(fatigue, utilisation=largest))
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 
 
@@ -617,7 +624,7 @@ class StressHistory(Observer):
                 "damage_at": _with_x(at, cycle, x),
                 "damage_error": damage * life.relative_error(error),
                 "fatigue_life": 1.0 / damage if damage > 0.0 else math.inf,
-            }
+            } | layer_column(cycle.steel, at[2])
             for name, value in each.items():
                 columns.setdefault(name, {})[body] = value
         return columns
@@ -627,7 +634,8 @@ class StressHistory(Observer):
 
         It warns of stress above shakedown.
         """
-        return shakedown_remark({cycle.body: cycle for cycle in self.cycles})
+        cycles = {cycle.body: cycle for cycle in self.cycles}
+        return shakedown_remark(cycles) + damage_remark(cycles)
 
     @property
     def _contact(self) -> State:
@@ -656,15 +664,17 @@ class StressHistory(Observer):
         life = model.laws.life
         if life is None:
             return cycles
-        return {
-            body: (
-                cycle.with_damage(
-                    cycle.depth, life.damage(cycle.utilisation), np.zeros(cycle.y.size)
-                ),
-                x,
-            )
-            for body, (cycle, x) in cycles.items()
-        }
+        return {body: (_with_damage(cycle, life), x) for body, (cycle, x) in cycles.items()}
+
+
+def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
+    """Return the fatigue of a body with the damage of one load cycle."""
+    damage = life.damage(cycle.utilisation)
+    if cycle.steel is not None:
+        lives = [Woehler(*curve).damage(cycle.utilisation) for curve in cycle.steel.lives]
+        layer = cycle.local_layer.astype(int)[None]
+        damage = np.take_along_axis(np.stack(lives), layer, axis=0)[0]
+    return cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size))
 
 
 def _cycle_start(model: Model) -> float:

@@ -26,8 +26,10 @@ from .inputs import hash_files as hash_files
 from .inputs import hashes_of as hashes_of
 from .inputs import use_contents as use_contents
 from .layers import BodyLayer as BodyLayer
+from .layers import LayerStrength as LayerStrength
 from .layers import Relaxation as Relaxation
 from .layers import Stiffness as Stiffness
+from .layers import layered_body as layered_body
 from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory
 from .load_history import blocks_of as blocks_of

@@ -17,6 +17,8 @@ from tractive_sam.mechanics import (
     SurfaceResponse,
     TransverseMaterial,
     creep_terms,
+    limit_from_bending,
+    strength_from_hardness,
 )
 from tractive_sam.schema import (
     Check,
@@ -30,6 +32,7 @@ from tractive_sam.schema import (
     exactly_one,
     optional,
     required,
+    shorten,
 )
 
 
@@ -372,6 +375,148 @@ def check_layers(
     except ValueError:
         cure = "moduli that differ less, or fewer layers: the response is not resolved"
         yield Fault("layer", f"{len(layers)} layers", cure)
+
+
+def layered_body(scene: Any, body: str) -> LayeredBody:
+    """Return the elastic layers of a body, also those with the constants of the body below."""
+    table = getattr(scene.body, body)
+    return LayeredBody(tuple(layer.layer for layer in table.layer), table.material)
+
+
+def find_strengths(
+    given: Mapping[str, np.ndarray], inclusion: float | None, criterion: Any, sensitivity: Any
+) -> dict[str, np.ndarray]:
+    """Return hardness, limit and shear_yield by name, without unknown ones.
+
+    Parameters
+    ----------
+    given : mapping
+        Those that are given, by name; the others follow from the hardness.
+    inclusion : float or None
+        Square root of the area of the largest inclusion, micrometres.
+    criterion, sensitivity
+        See `Strength.find_curves`.
+    """
+    found = dict(given)
+    if "hardness" not in found:
+        return found
+    strength, bending = strength_from_hardness(found["hardness"], inclusion)
+    found.setdefault("shear_yield", strength / math.sqrt(3.0))
+    has_rule = sensitivity is not None or criterion == "orthogonal-shear"
+    if "limit" not in found and has_rule and isinstance(criterion, str):
+        strength = math.sqrt(3.0) * found["shear_yield"]
+        found["limit"] = limit_from_bending(criterion, sensitivity, bending, strength)
+    return found
+
+
+def _check_layer_strength(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a layer with two sources of its strength, with none, or with inclusions alone."""
+    strengths = [key for key in ("limit", "shear_yield") if key in entries.given]
+    if "hardness" in entries.given and strengths:
+        cure = f"hardness or {' and '.join(strengths)}, not both"
+        yield Fault("hardness", f"with {' and '.join(strengths)}", cure)
+    elif "hardness" not in entries.given and not strengths:
+        yield Fault("limit", "nothing", "limit or shear_yield, MPa, or hardness, HV, of the layer")
+    if "inclusion" in entries.given and "hardness" not in entries.given:
+        yield Fault("inclusion", shorten(entries["inclusion"]), "only with hardness")
+
+
+class LayerStrength(Table):
+    """Strength and life of one layer of a body, `[[body.A.layer]]` with the same place.
+
+    Examples
+    --------
+    >>> ts.LayerStrength(limit=25.0, exponent=6.0).limit
+    25.0
+    """
+
+    key_advice: ClassVar[Mapping[str, str]] = {
+        "thickness": "thickness in [[body.A.layer]]",
+        "depth": "thickness in [[body.A.layer]]: the strength is constant in a layer",
+        "sensitivity": "fatigue.sensitivity, which is common to all layers",
+        "criterion": "fatigue.criterion, which is common to all layers",
+        "yield_strength": "shear_yield, the yield stress in tension over sqrt 3",
+    }
+    strengths: ClassVar[tuple[str, ...]] = ("limit", "shear_yield")
+    hardest_without_inclusions: ClassVar[float] = 400.0
+    """Vickers hardness up to which the fatigue limit does not depend on inclusions."""
+    limit: Positive | None = optional("fatigue limit of the criterion, MPa", le=1e5)
+    shear_yield: Positive | None = optional("yield stress in shear k, MPa", le=1e5)
+    hardness: Real | None = optional(
+        "Vickers hardness of a layer of steel, HV, from which limit and shear_yield follow",
+        ge=80.0,
+        le=1500.0,
+    )
+    inclusion: Positive | None = optional(
+        "square root of the area of the largest inclusion, micrometres; needed above 400 HV"
+    )
+    cycles: Positive | None = optional(
+        "number of cycles to failure at a utilisation of 1; by default that of [fatigue]"
+    )
+    exponent: Positive | None = optional(
+        "exponent of the Wöhler curve; by default that of [fatigue]", le=100.0
+    )
+    knee: bool | None = optional(
+        "whether life is infinite below a utilisation of 1; by default as in [fatigue]"
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_check_layer_strength,)
+
+    def find_values(self, criterion: Any, sensitivity: float | None) -> dict[str, float]:
+        """Return limit and shear_yield by name, MPa, without unknown ones.
+
+        Parameters as in `Strength.find_curves`.
+        """
+        if self.hardness is not None:
+            hardness = {"hardness": np.array(self.hardness)}
+            found = find_strengths(hardness, self.inclusion, criterion, sensitivity)
+            return {name: float(found[name]) for name in self.strengths if name in found}
+        values = {name: getattr(self, name) for name in self.strengths}
+        return {name: value for name, value in values.items() if value is not None}
+
+    def find_life(self, table: Any) -> tuple[float, float, bool]:
+        """Return cycles, exponent and knee, by default those of the table [fatigue]."""
+        names = ("cycles", "exponent", "knee")
+        given = [(getattr(self, name), getattr(table, name)) for name in names]
+        cycles, exponent, knee = (below if own is None else own for own, below in given)
+        return cycles, exponent, knee
+
+
+def check_strength_of_layers(
+    entries: ValidEntries, body: str, curves: Mapping[str, Any]
+) -> Iterator[Fault]:
+    """Report layers of a body without a strength that others or the body below have.
+
+    Parameters
+    ----------
+    entries : ValidEntries
+        Entries of [fatigue].
+    body : str
+        "A" or "B".
+    curves : mapping
+        Strength of the body below the layers over the depth, by name.
+    """
+    layers = entries[body].layer
+    rule = entries["criterion"], entries["sensitivity"]
+    values = [layer.find_values(*rule) for layer in layers]
+    common = {"limit": {"limit"}, "shear_yield": {"shear_yield", "yield_strength"}}
+    for k, layer in enumerate(layers):
+        hardest = LayerStrength.hardest_without_inclusions
+        if layer.inclusion is None and (layer.hardness or 0.0) > hardest:
+            cure = (
+                f"a number above 0: the limit of steel above {hardest:g} HV depends on inclusions"
+            )
+            yield Fault(f"{body}.layer[{k}].inclusion", "nothing", cure)
+    for name in LayerStrength.strengths if layers else ():
+        is_below = name in curves or bool(entries.given & common[name])
+        lacking = [k for k, each in enumerate(values) if name not in each]
+        if is_below and lacking:
+            cure = f"a number above 0, MPa: [fatigue] has one, that of body {body} below its layers"
+            yield Fault(f"{body}.layer[{lacking[0]}].{name}", "nothing", cure)
+        elif not is_below and len(lacking) < len(layers):
+            cure = f"a number above 0, MPa, for body {body} below its layers, which have one"
+            yield Fault(name, "nothing", cure)
+    if layers and entries["volume"] is not None:
+        yield Fault("volume", f"with {body}.layer", "one of them: the volume has one material")
 
 
 class Relaxation(BodyPart):

@@ -64,7 +64,7 @@ from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
 from .roller import add_roller_gap, check_roller, check_tilt
 from .schedule import ObserverTable, ProcessTable, Schedule, Transient
-from .steel import Fatigue, Residual, check_rolled_stress, find_steel
+from .steel import Fatigue, Residual, check_steel, find_steel
 from .tables import (
     Accuracy,
     Creepage,
@@ -208,7 +208,7 @@ class Scene(TomlTable):
     solver: InnerTable[Solver] = entry("the solver", default=Solver())
     checks: ClassVar[tuple[Check, ...]] = (
         *SCENE_CHECKS,
-        check_rolled_stress,
+        check_steel,
         check_inclusions,
         check_roller,
         check_tilt,

@@ -17,10 +17,9 @@ from pydantic import AfterValidator, Field, create_model
 from tractive_sam.mechanics import (
     HertzContact,
     HertzLine,
+    LayeredSteel,
     RollingMarch,
     Steel,
-    limit_from_bending,
-    strength_from_hardness,
 )
 from tractive_sam.schema import (
     Check,
@@ -47,6 +46,7 @@ from tractive_sam.schema import (
 from tractive_sam.text_table import TextError, read_table
 
 from .inputs import TEXTS, absolute_path, check_exists
+from .layers import LayerStrength, check_strength_of_layers, find_strengths, layered_body
 from .tables import check_distinct
 
 _Length = Field(min_length=1, max_length=10_000)
@@ -228,7 +228,7 @@ class Residual(Table):
 
 
 class Strength(_OverDepth):
-    """Hardness or strength of a body over the depth below its unworn surface.
+    """Hardness or strength of a body over the depth below its unworn surface, and of its layers.
 
     They take precedence over the limit and the yield stress of [fatigue]. From the Vickers hardness
     follow the yield strength, 2.876 HV - 90.7 MPa (Pavlina & Van Tyne 2008), and the fatigue limit
@@ -243,8 +243,6 @@ class Strength(_OverDepth):
     """
 
     columns: ClassVar[tuple[str, ...]] = ("hardness", "limit", "shear_yield")
-    hardest_without_inclusions: ClassVar[float] = 400.0
-    """Vickers hardness up to which the fatigue limit does not depend on inclusions."""
     hardness: _Hardnesses | None = optional(
         "Vickers hardness at these depths, HV",
         "a list of numbers from 80 to 1500, as many as depth",
@@ -261,6 +259,14 @@ class Strength(_OverDepth):
         "yield stress in shear k at these depths, MPa; by default it follows from hardness",
         "a list of numbers above 0, as many as depth",
     )
+    layer: tuple[LayerStrength, ...] = entry(
+        "strength and life of each layer of the body, from the surface down; the other keys are "
+        "those of the body below the layers",
+        "one table for each [[body.A.layer]]",
+        (),
+        min_length=1,
+        max_length=100,
+    )
     checks: ClassVar[tuple[Check, ...]] = (_check_lengths(columns),)
 
     def find_curves(self, criterion: Any, sensitivity: float | None) -> dict[str, np.ndarray]:
@@ -275,15 +281,7 @@ class Strength(_OverDepth):
         """
         given = {name: getattr(self, name) for name in self.columns}
         curves = {name: np.array(values) for name, values in given.items() if values is not None}
-        if self.hardness is None:
-            return curves
-        strength, bending = strength_from_hardness(curves["hardness"], self.inclusion)
-        curves.setdefault("shear_yield", strength / math.sqrt(3.0))
-        has_rule = sensitivity is not None or criterion == "orthogonal-shear"
-        if "limit" not in curves and has_rule and isinstance(criterion, str):
-            strength = math.sqrt(3.0) * curves["shear_yield"]
-            curves["limit"] = limit_from_bending(criterion, sensitivity, bending, strength)
-        return curves
+        return find_strengths(curves, self.inclusion, criterion, sensitivity)
 
 
 def check_strength_of_bodies(entries: ValidEntries) -> Iterator[Fault]:
@@ -294,19 +292,24 @@ def check_strength_of_bodies(entries: ValidEntries) -> Iterator[Fault]:
     for body, table in tables.items():
         if body not in entries["bodies"]:
             yield Fault(body, "a table", f"nothing, or {body} in fatigue.bodies")
-        if all(getattr(table, name) is None for name in table.columns):
+        if not table.layer and all(getattr(table, name) is None for name in table.columns):
             yield Fault(f"{body}.hardness", "nothing", "hardness, limit or shear_yield, with depth")
         hardest = max(table.hardness or (0.0,))
         by_rule = "limit" in curves[body] and table.limit is None
-        if by_rule and table.inclusion is None and hardest > table.hardest_without_inclusions:
+        if (
+            by_rule
+            and table.inclusion is None
+            and hardest > LayerStrength.hardest_without_inclusions
+        ):
             cure = (
                 "a number above 0: the fatigue limit of steel harder than "
-                f"{table.hardest_without_inclusions:g} HV depends on its largest inclusion, "
-                "of some 20 to 60 micrometres; or the key limit over the depth"
+                f"{LayerStrength.hardest_without_inclusions:g} HV depends on its largest "
+                "inclusion, of some 20 to 60 micrometres; or the key limit over the depth"
             )
             yield Fault(f"{body}.inclusion", f"nothing, with hardness up to {hardest:g} HV", cure)
         if table.inclusion is not None and table.hardness is None:
             yield Fault(f"{body}.inclusion", shorten(table.inclusion), "only with hardness")
+        yield from check_strength_of_layers(entries, body, curves[body])
     if not tables:
         return
     given = {
@@ -526,7 +529,12 @@ class Fatigue(LawTable):
         missing += [] if self.A or self.B else ["hardness over the depth"]
         yield Row("not included", ", ".join(missing))
         for body in self.bodies:
-            if getattr(self, body) is not None:
+            strength: Strength | None = getattr(self, body)
+            if strength is None:
+                continue
+            for k, layer in enumerate(strength.layer):
+                yield Row(f"layer {k} of body {body}", self._describe_layer(layer))
+            if strength.depth is not None:
                 units = {"hardness": "HV", "limit": "MPa", "shear_yield": "MPa"}
                 curves = {name: scene.steel[body].curves.get(name) for name in units}
                 parts = [
@@ -536,6 +544,16 @@ class Fatigue(LawTable):
                     if curve is not None
                 ]
                 yield Row(f"strength of body {body}", "; ".join(parts))
+
+    def _describe_layer(self, layer: LayerStrength) -> str:
+        """Return a text with the strength and the life of a layer."""
+        values = layer.find_values(self.criterion, self.sensitivity)
+        parts = [f"{name.replace('_', ' ')} {value:.6g} MPa" for name, value in values.items()]
+        cycles, exponent, knee = layer.find_life(self)
+        if "limit" in values:
+            life = f"life {cycles:g} cycles at the limit, to the power -{exponent:g}"
+            parts.append(f"{life}, infinite below" if knee else life)
+        return "; ".join(parts)
 
     @property
     def yield_stress(self) -> float | None:
@@ -552,6 +570,11 @@ class Fatigue(LawTable):
     def shear_yield_stress(self) -> float | None:
         """Yield stress in shear k, MPa, as set or from tension over sqrt(3); None without both."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)
+
+    @property
+    def is_layered(self) -> bool:
+        """Whether a body has a strength of its layers."""
+        return any(table is not None and table.layer for table in (self.A, self.B))
 
 
 def rolled_pressures(scene: Any, blocks: Iterable[Any]) -> dict[str, float]:
@@ -590,7 +613,7 @@ def find_steel(scene: Any, deepest: float = 3.0, depths: int = 61) -> dict[str, 
     depths : int
         Number of these depths.
     """
-    steel = {}
+    steel: dict[str, Steel] = {}
     for body in "AB":
         curves: dict[str, Any] = {}
         strength = None if scene.fatigue is None else getattr(scene.fatigue, body)
@@ -612,13 +635,46 @@ def find_steel(scene: Any, deepest: float = 3.0, depths: int = 61) -> dict[str, 
             for name in ResidualStress.columns:
                 values = getattr(residual, name)
                 curves[name] = zeta, np.zeros(zeta.size) if values is None else np.array(values)
-        if curves:
+        if strength is not None and strength.layer:
+            steel[body] = _find_layered_steel(scene, body, curves)
+        elif curves:
             steel[body] = Steel(curves)
     return steel
 
 
-def check_rolled_stress(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a residual stress from rolling without a Hertz contact or without a yield stress."""
+def _find_layered_steel(scene: Any, body: str, curves: Mapping[str, Any]) -> LayeredSteel:
+    """Return the strength and life of a body with layers; `curves` of the body below them."""
+    table = scene.fatigue
+    parts = getattr(table, body).layer
+    layers = tuple(part.find_values(table.criterion, table.sensitivity) for part in parts)
+    common = {"limit": table.limit, "shear_yield": table.shear_yield_stress}
+    constant = {name: (np.zeros(1), np.array([common[name]])) for name in layers[0]}
+    below = table.cycles, table.exponent, table.knee
+    lives = *(part.find_life(table) for part in parts), below
+    distinct = len(getattr(scene.body.responses[body], "layers", ()))
+    # The equivalent stress of these criteria depends on the stress alone, and not on a strength.
+    by_stress = table.criterion in ("dang-van", "crossland", "findley", "orthogonal-shear")
+    kinds, groups = [None if by_stress else part.get("shear_yield") for part in layers], [0]
+    for k, pair in enumerate(zip(kinds, [*kinds[1:], None], strict=True)):
+        jumps = k < distinct or not (by_stress or pair[0] == pair[1])
+        groups.append(groups[-1] + jumps)
+    faces = layered_body(scene, body).interfaces
+    limit = table.limit or 1.0
+    return LayeredSteel(
+        constant | dict(curves), faces, layers, lives, tuple(groups), distinct, limit
+    )
+
+
+def check_steel(entries: ValidEntries) -> Iterator[Fault]:
+    """Report strengths of layers that are not there, and residual stress that cannot be rolled."""
+    for body in "AB":
+        strength = None if entries["fatigue"] is None else getattr(entries["fatigue"], body)
+        layers, tables = entries[f"body.{body}.layer"], () if strength is None else strength.layer
+        if tables and len(tables) != len(layers):
+            cure = f"{len(layers)}, one for each [[body.{body}.layer]]; [fatigue] is the body below"
+            if not layers:
+                cure = f"none, or [[body.{body}.layer]]: body {body} has no layers"
+            yield Fault(f"fatigue.{body}.layer", f"tables: {len(tables)}", cure)
     for body in "AB":
         table = None if entries["residual"] is None else getattr(entries["residual"], body)
         if table is None or not table.is_rolled:

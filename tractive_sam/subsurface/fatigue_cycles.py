@@ -11,7 +11,7 @@ end of the sequence leaves it as if the contact continued to roll with its last 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any, cast
 
@@ -22,14 +22,16 @@ from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import (
     CycleCriterion,
     HalfSpaces,
+    LayeredSteel,
     Steel,
+    SurfaceResponse,
     enclosing_radius,
     evaluate_cycles,
     residual_shear,
 )
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
-from tractive_sam.scene import Fatigue
+from tractive_sam.scene import Fatigue, Scene, layered_body
 from tractive_sam.subsurface.layered import with_interfaces
 from tractive_sam.subsurface.sources import SIGNS, surface_cycles, surface_points
 from tractive_sam.subsurface.stress_fields import (
@@ -45,7 +47,9 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     """Return the depths at which [fatigue] is computed, shape (elements,), mm.
 
     They are the surface, one element below it (the longer side), and further depths down to the
-    depth in the scene, or at least three elements.
+    depth in the scene, or at least three elements; and both sides of each interface. With
+    [[fatigue.A.layer]] they include interfaces down to twice this depth, and those that wear leaves
+    (wear.layer_step).
 
     Parameters
     ----------
@@ -65,8 +69,28 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
     depths = np.concatenate(([0.0], side + (deepest - side) * share))
-    layered = contact.scene.body.responses
-    return with_interfaces(depths, [layered[name] for name in table.bodies])
+    steel = [contact.scene.steel.get(name) for name in table.bodies]
+    faces = [face for each in steel if isinstance(each, LayeredSteel) for face in each.faces]
+    deeper = [face for face in faces if depths[-1] <= face <= 2.0 * depths[-1]]
+    if deeper:
+        depths = np.append(depths, 1.1 * max(deeper))
+    bodies = (each for name in table.bodies for each in _worn_bodies(contact.scene, name))
+    return with_interfaces(depths, bodies)
+
+
+def _worn_bodies(scene: Scene, body: str) -> Iterator[SurfaceResponse]:
+    """Yield a body, and with strengths of its layers as it is after each step of their wear."""
+    steel = scene.steel.get(body)
+    if not isinstance(steel, LayeredSteel):
+        yield scene.body.responses[body]
+        return
+    layered = layered_body(scene, body)
+    yield layered
+    if scene.wear is None or (step := scene.wear.layer_step) is None:
+        return
+    for layer, face in zip(layered.layers, layered.interfaces, strict=True):
+        for share in np.arange(0.0, 1.0 - 1e-9, step):
+            yield layered.worn(float(face) - (1.0 - share) * layer.thickness, step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +109,13 @@ class LocalSteel:
         Whether the strength depends on the depth.
     has_factor : bool
         Whether to compute the load factor at first yield.
+    layers : LayeredSteel, optional
+        Material of a body with strengths of its layers; `limit` is then its common limit, for
+        which `LayeredSteel.stack` takes the equivalent stress.
+    layer : ndarray of int, shape (rows, n)
+        Number of the layer at the rows and depths of the pass; empty without `layers`.
+    own_limit : ndarray, shape (rows, n)
+        Fatigue limit of the layer there, MPa.
 
     Examples
     --------
@@ -102,12 +133,23 @@ class LocalSteel:
     common_yield: float
     varies: bool
     has_factor: bool
+    layers: LayeredSteel | None = None
+    layer: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    own_limit: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def from_contact(
-        cls, contact: State, body: str, depths: np.ndarray, worn: np.ndarray
+        cls,
+        contact: State,
+        body: str,
+        depths: np.ndarray,
+        worn: np.ndarray,
+        laws: Laws | None = None,
     ) -> "LocalSteel":
-        """Return the steel below rows worn by `worn` (n_y,), at depths (n,), mm."""
+        """Return the steel below rows worn by `worn` (n_y,), at depths (n,), mm.
+
+        With layers, `laws` have those that wear has left; by default they are those of the contact.
+        """
         table, steel = fatigue_table(contact), contact.scene.steel.get(body, Steel())
         common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
         zeta = worn[:, None] + depths
@@ -116,7 +158,21 @@ class LocalSteel:
         limit = np.full(zeta.shape, table.limit or 1.0) if limit is None else limit
         k = np.full(zeta.shape, common) if k is None else k
         has_factor = contact.scene.residual is not None and not math.isnan(common)
-        return cls(steel.stress(zeta), limit, k, common, varies, has_factor)
+        local = cls(steel.stress(zeta), limit, k, common, varies, has_factor)
+        if not isinstance(steel, LayeredSteel):
+            return local
+        elastic = (laws or Laws.of_contact(contact, ("elasticity",))).elasticity.single_body(body)
+        faces = getattr(getattr(elastic, "A", None), "interfaces", np.zeros(0))
+        # The upper ones of the unworn layers may be worn off.
+        number = steel.distinct - faces.size + np.searchsorted(faces, depths)
+        layer = steel.layer_at(zeta, number)
+        limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
+        own = np.full(zeta.shape, steel.common_limit) if limit is None else limit
+        k = local.shear_yield if k is None else k
+        limit = np.full(zeta.shape, steel.common_limit)
+        return replace(
+            local, limit=limit, shear_yield=k, varies=True, layers=steel, layer=layer, own_limit=own
+        )
 
     def at_depth(self, k: int, at_corners: bool = False) -> "LocalSteel":
         """Return the steel of the rows, or of corner rows between them, at one depth."""
@@ -128,6 +184,9 @@ class LocalSteel:
 
         stress = None if self.stress is None else select(self.stress)
         limit, shear_yield = select(self.limit), select(self.shear_yield)
+        if self.layers is not None and shear_yield.shape[-1] < self.shear_yield.shape[0]:
+            # Of two rows in different layers the weaker one, as no mean of them is a material.
+            shear_yield = np.minimum(self.shear_yield[1:, k], self.shear_yield[:-1, k])
         return replace(self, stress=stress, limit=limit, shear_yield=shear_yield)
 
     def of_rows(self, part: slice) -> "LocalSteel":
@@ -178,13 +237,38 @@ class LocalSteel:
         total[:2] += self.stress.reshape(2, 1, -1, *(1,) * (cycle.ndim - 3))
         return total
 
+    def profiles(self, depths: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the largest utilisation (n_y, n) of passes, and the profiles of all passes.
+
+        Parameters
+        ----------
+        depths : ndarray, shape (n,)
+            mm.
+        used : ndarray, shape (passes, n_y, n)
+            Criterion over `limit` in each pass.
+
+        Returns
+        -------
+        largest : ndarray, shape (n_y, n)
+            Utilisation.
+        profiles : ndarray, shape (passes, n_y, ...)
+            `used`, for bodies with strengths of their layers from `LayeredSteel.stack`.
+        """
+        if self.layers is None:
+            return used.max(axis=0), used
+        largest = used.max(axis=0) * (self.limit / self.own_limit)
+        return largest, self.layers.stack(depths, used, self.layer)
+
     def fields(self, factor: np.ndarray | None = None) -> dict[str, Any]:
         """Return the fields of `BodyFatigue` that depend on the material, by name, (n_y, n)."""
         fields: dict[str, Any] = {}
         if self.stress is not None:
             fields |= {"residual_xx": self.stress[0], "residual_yy": self.stress[1]}
+        if self.layers is not None:
+            fields |= {"steel": self.layers, "local_layer": 1.0 * self.layer}
         if self.varies:
-            fields |= {"local_limit": self.limit, "local_yield": self.shear_yield}
+            own = self.limit if self.layers is None else self.own_limit
+            fields |= {"local_limit": own, "local_yield": self.shear_yield}
         if self.has_factor and factor is not None:
             fields["inverse_yield_factor"] = factor
         return fields
@@ -257,7 +341,8 @@ def cycle_fatigue(
     Returns
     -------
     dict of str to (BodyFatigue, ndarray of shape (contacts, n_y, n))
-        By body: the largest utilisation, and the utilisation of each contact.
+        By body: the largest utilisation, and the utilisation of each contact; of bodies with
+        strengths of their layers the profiles of `LayeredSteel.stack`.
 
     Examples
     --------
@@ -272,7 +357,10 @@ def cycle_fatigue(
     used = {body: np.full((len(contacts), *shape), np.nan) for body in table.bodies}
     residual, radius, factor = ({body: np.zeros(shape) for body in table.bodies} for _ in range(3))
     worn = worn or {body: worn_depth(contacts[0], body) for body in table.bodies}
-    steel = {b: LocalSteel.from_contact(contacts[0], b, depths, worn[b]) for b in table.bodies}
+    steel = {
+        body: LocalSteel.from_contact(contacts[0], body, depths, worn[body], laws[0])
+        for body in table.bodies
+    }
     layers = (
         layer_cycles(contact, depths, law) for contact, law in zip(contacts, laws, strict=True)
     )
@@ -288,8 +376,9 @@ def cycle_fatigue(
         body, cycles = passes[0][0], [cycle for _, cycle, _ in passes]
         is_valid = np.any([rows for _, _, rows in passes], axis=0)
         found, values = _evaluate(laws, cycles, steel[body].at_depth(0, at_corners=True))
-        for field, at_corners in zip((radius, residual, factor), found, strict=True):
-            field[body][:, 0] = average_rows(at_corners, is_valid, field[body][:, 1])
+        for values_of, at_corners in zip((radius, residual, factor), found, strict=True):
+            of_body = values_of[body]
+            of_body[:, 0] = average_rows(at_corners, is_valid, of_body[:, 1])
         for utilisation, value, (_, _, rows) in zip(used[body], values, passes, strict=False):
             utilisation[:, 0] = average_rows(value, rows, utilisation[:, 1])
     shear_yield = table.shear_yield_stress
@@ -297,9 +386,9 @@ def cycle_fatigue(
     y = grid.shifted(0.0).y
     results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
     for body in table.bodies:
-        fields = used[body].max(axis=0), residual[body], radius[body]
-        further = steel[body].fields(factor[body])
-        results[body] = BodyFatigue(body, y, depths, *fields, *about, **further), used[body]
+        largest, profiles = steel[body].profiles(depths, used[body])
+        fields, further = (largest, residual[body], radius[body]), steel[body].fields(factor[body])
+        results[body] = BodyFatigue(body, y, depths, *fields, *about, **further), profiles
     return results
 
 
@@ -552,7 +641,8 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     used, place = np.full(shape, np.nan), np.full(shape, np.nan)
     residual, radius, factor = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     new = np.zeros(grid.elements[1])  # a course wears less than a turn of its bodies
-    steel = [LocalSteel.from_contact(first, body, depths, new) for body in table.bodies]
+    at = depths, new, course.laws
+    steel = [LocalSteel.from_contact(first, body, *at) for body in table.bodies]
     half_width = max(contact.half_width_x for contact in course.contacts)
     layers = (layer_cycles(contact, depths, course.laws, half_width) for contact in course.contacts)
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
@@ -569,14 +659,15 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     for i, body in enumerate(table.bodies):
         is_valid, *at_surface = _surface(course, body, steel[i].at_depth(0, at_corners=True))
         fields = residual, radius, used, place, factor
-        for values, field in zip(at_surface, fields, strict=True):
-            field[i, :, 0] = average_rows(values, is_valid, field[i, :, 1])
+        for values, all_rows in zip(at_surface, fields, strict=True):
+            all_rows[i, :, 0] = average_rows(values, is_valid, all_rows[i, :, 1])
     shear_yield = table.shear_yield_stress
     about = course.laws.fatigue, math.nan if shear_yield is None else shear_yield
     y = grid.shifted(0.0).y
     results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
     for i, body in enumerate(table.bodies):
-        of_body = np.maximum(used[i], 0.0) / steel[i].limit, residual[i], radius[i]
+        utilisation = np.maximum(used[i], 0.0) / steel[i].limit
+        of_body = steel[i].profiles(depths, utilisation[None])[0], residual[i], radius[i]
         further = steel[i].fields(factor[i])
         results[body] = BodyFatigue(body, y, depths, *of_body, *about, **further), place[i]
     return results
