@@ -20,7 +20,7 @@ PICTURES = {
     "fretting": ("hysteresis",),
     "traction-control": ("forces",),
     "ball-in-groove": ("conformal-patch",),
-    "inclusion": ("von-mises-inclusion-1",),
+    "inclusion": ("von-mises-inclusion-1", "passage-inclusion-1"),
     "coated-roller": ("traction-sections",),
     "rubber-roller": ("pressure",),
 }

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam import plot
 from tractive_sam.contact import Model
 from tractive_sam.mechanics import von_mises
 from tractive_sam.operators import isotropic_stiffness
@@ -386,6 +387,26 @@ def test_the_lift_is_stored_and_remarked(tmp_path):
     assert stored["inclusion_convolutions"][0] > 10.0 * stored["convolutions"][0]
     without = ts.roll(scene.replace(**{"inclusion[0].lifts": False}))
     assert "inclusion_p_min" not in without.columns
+    passage = stored.passage("B", "inclusion-1")
+    for name in passage.quantities:
+        live = getattr(history.passage("B", "inclusion-1"), name)
+        np.testing.assert_array_equal(getattr(passage, name), live)
+    assert passage.p_max[::5].min() == pytest.approx(stored["inclusion_p_min"][0, 1], rel=1e-12)
+    assert passage.von_mises.max() == stored["inclusion_von_mises"][0, 1]
+    assert np.abs(passage.lift).max() == pytest.approx(stored["inclusion_lift"][0, 1], rel=1e-12)
+    drawn = [drawing for drawing in plot.list_figures(stored) if "passage" in drawing.name]
+    assert [drawing.name for drawing in drawn] == ["passage-inclusion-1"]
+    pressure, lift, stress = drawn[0].draw().axes
+    assert pressure.get_ylabel() == r"$p_\mathrm{max}/p_0$"
+    np.testing.assert_allclose(lift.lines[0].get_ydata() * stored["approach"][0], passage.lift)
+    with plot.units("si-mm"):
+        lift, stress = plot.inclusion_passage(without, "B").axes
+    assert (lift.get_ylabel(), stress.get_xlabel()) == (
+        r"lift ($\mathrm{\mu m}$)",
+        "position of inclusion 1, $x$ (mm)",
+    )
+    with pytest.raises(LookupError, match="inclusion-1 of B"):
+        stored.passage("B", "inclusion-2")
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,7 @@ from .registry import list_figures as list_figures
 from .registry import save_all as save_all
 from .registry import save_drawings as save_drawings
 from .stress import StressMaximum as StressMaximum
+from .stress import inclusion_passage as inclusion_passage
 from .stress import stress_maxima as stress_maxima
 from .stress import von_mises_section as von_mises_section
 from .stress import von_mises_sections as von_mises_sections

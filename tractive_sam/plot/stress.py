@@ -23,8 +23,17 @@ from tractive_sam.plot.contact_map import (
     new_map_figure,
     share_y_axis,
 )
-from tractive_sam.plot.figure import LOOK, Figure, Scale, apply_style, current_options
-from tractive_sam.plot.registry import contact_figure
+from tractive_sam.plot.figure import (
+    LOOK,
+    MICRON,
+    Figure,
+    Scale,
+    apply_style,
+    current_options,
+    new_figure,
+    set_title,
+)
+from tractive_sam.plot.registry import contact_figure, history_figure
 from tractive_sam.results import History, PlaneStress, State
 from tractive_sam.scene import Plane
 
@@ -389,6 +398,89 @@ def _stored_planes(view: ContactView) -> Iterator[Mapping[str, Any]]:
 def _stored_sections(view: ContactView, plane: str, bodies: Sequence[str]) -> Figure:
     """Equivalent stress of von Mises on a plane with stored stress, in each of its bodies."""
     return von_mises_sections(view.history or view.contact, plane, bodies, view.at)
+
+
+def _each_passage(history: History) -> list[dict[str, str]]:
+    """Return the arguments of the figures of each inclusion that wear has not uncovered."""
+    return [
+        {"body": body, "inclusion": inclusion}
+        for (body, inclusion), rows in history.passages.items()
+        if len(rows) and np.isfinite(rows[len(rows) - 1].von_mises).any()
+    ]
+
+
+@history_figure("passage-{inclusion}", each=_each_passage)
+def inclusion_passage(
+    history: History,
+    body: str = "A",
+    inclusion: str = "inclusion-1",
+    at: float | None = None,
+    **named: float,
+) -> Figure:
+    """Peak pressure, lift of the surface and largest stress by the position of an inclusion.
+
+    Dots are the positions at which the contact is solved above the lifted surface. Without `lifts`,
+    the panel of the pressure is missing. The lift is that above the centre of the inclusion, over
+    the approach of the bodies.
+
+    Parameters
+    ----------
+    history : History
+        History of a scene with [[inclusion]].
+    body : "A" or "B"
+        The body that contains it.
+    inclusion : str
+        Its name; the first one of the scene is "inclusion-1".
+    at : float, optional
+        One of the saved values, as for `History.field`; the last by default.
+
+    Raises
+    ------
+    LookupError
+        If the passage was not stored.
+    ValueError
+        If wear has uncovered the inclusion.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 1.5], radii=0.1, young=0.0, cells=5)
+    >>> plot.inclusion_passage(ts.roll(scene.replace(inclusion=[hole])))
+    <Figure size ...>
+    """
+    passage = history.passage(body, inclusion, at, **named)
+    view = ContactView.from_source(history, at, **named)
+    scale, contact = view.scale, view.contact
+    if np.isnan(passage.von_mises).all():
+        raise ValueError("nothing to draw: wear has uncovered the inclusion")
+    unit, label = 1.0 / MICRON, r"lift ($\mathrm{\mu m}$)"
+    if scale.relative:
+        unit, label = contact.approach, r"lift $/\,\delta$"
+    curves = [
+        (passage.lift / unit, label),
+        (passage.von_mises / scale.pressure, scale.pressure_label(VON_MISES.symbol)),
+    ]
+    if has_pressure := bool(np.isfinite(passage.p_max).any()):
+        pressure = scale.pressure_label(r"p_\mathrm{max}")
+        curves.insert(0, (passage.p_max / scale.pressure, pressure))
+    figure = new_figure(1.0, 0.42 * len(curves) + 0.12)
+    panels = figure.subplots(len(curves), sharex=True)
+    edges = view.x_over_a[contact.touching.any(axis=1)][[0, -1]]
+    for axes, (values, name) in zip(panels, curves, strict=True):
+        axes.axvspan(*edges, color="0.93", linewidth=0.0, label="contact")
+        axes.plot(passage.place / scale.length, values, color=LOOK.bodies[body])
+        axes.set_ylabel(name)
+    if has_pressure:
+        x, y = panels[0].lines[0].get_data()
+        panels[0].plot(x[::5], y[::5], ".", color=LOOK.bodies[body], label="solved contacts")
+        look: dict[str, Any] = {"color": LOOK.grey, "linestyle": "--"}
+        level = contact.p_max / scale.pressure
+        panels[0].axhline(level, label="without the inclusion", **look)
+    panels[-2].axhline(0.0, color=LOOK.grey, linewidth=0.6)
+    panels[-1].set_ylim(bottom=0.0)
+    panels[-1].set_xlabel(f"position of {inclusion.replace('-', ' ')}, {scale.length_label('x')}")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    set_title(figure, view.describe(f"passage of {inclusion.replace('-', ' ')} of body {body}"))
+    return figure
 
 
 def _read_stresses(

@@ -56,6 +56,7 @@ from .stress import COMPONENTS as COMPONENTS
 from .stress import FATIGUE_FIELDS as FATIGUE_FIELDS
 from .stress import STRESS as STRESS
 from .stress import BodyFatigue as BodyFatigue
+from .stress import InclusionPassage as InclusionPassage
 from .stress import InterfaceStress as InterfaceStress
 from .stress import Maximum as Maximum
 from .stress import PlaneStress as PlaneStress

@@ -219,7 +219,7 @@ FATIGUE_COLUMNS = (
                "position (x, y, depth) of the largest von Mises stress next to an inclusion",
                place_of="inclusion_von_mises", **_places),
     _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
-    _inclusion("inclusion_lift", "mm", "largest displacement of the surface by inclusions, in "
+    _inclusion("inclusion_lift", "mm", "largest displacement of the surface above an inclusion, in "
                                        "either direction", format=".3g"),
     _by_lift("inclusion_p_max", "MPa", "largest peak pressure while inclusions pass"),
     _by_lift("inclusion_p_min", "MPa", "smallest peak pressure while inclusions pass",

@@ -25,7 +25,7 @@ from tractive_sam.results.history_data import HistoryData, LawRecord, contact_of
 from tractive_sam.results.quantity import BODIES, LABELS, Quantity
 from tractive_sam.results.record import Record, collect
 from tractive_sam.results.state import State, html_with_figure
-from tractive_sam.results.stress import BodyFatigue, PlaneStress
+from tractive_sam.results.stress import BodyFatigue, InclusionPassage, PlaneStress
 from tractive_sam.scene import Scene, unworn_profiles
 
 DONE = "done"
@@ -56,7 +56,7 @@ class History(HistoryData):
     tables : mapping of str to sequence of Table, length m <= n
         Fields, stress and fatigue of the records with stored fields, by paths as "fields",
         "stress/A/y=0" and "fatigue/A", each with `to_xarray`; see also `field`, `stress`,
-        `fatigue` and `state`.
+        `passage`, `fatigue` and `state`.
     saved : ndarray, shape (m,)
         Values of the coordinate of these records, for example their revolutions.
     provenance : tuple of (int, mapping of str to str)
@@ -256,6 +256,33 @@ class History(HistoryData):
                 f"{stored or 'none: add [subsurface]'}"
             )
         return rows[self.row_of(at, **named)]
+
+    def passage(
+        self, body: str, inclusion: str, at: float | None = None, **named: float | None
+    ) -> InclusionPassage:
+        """Return the passage of an inclusion in one record; for a duty cycle see `block`.
+
+        Parameters
+        ----------
+        body : "A" or "B"
+            The body.
+        inclusion : str
+            Name of the inclusion: "inclusion-1" is the first one of the scene.
+        at : float, optional
+            See `field`.
+
+        Raises
+        ------
+        LookupError
+            If the passage was not stored; the message lists the stored ones.
+        """
+        if (body, inclusion) not in self.passages:
+            stored = ", ".join(f"{name} of {body}" for body, name in self.passages)
+            raise LookupError(
+                f"no passage of {inclusion} of body {body}; there is "
+                f"{stored or 'none: add [[inclusion]]; a duty cycle has them in its blocks'}"
+            )
+        return self.passages[body, inclusion][self.row_of(at, **named)]
 
     def fatigue(self, body: str, at: float | None = None, **named: float | None) -> BodyFatigue:
         """Return the fatigue of a body in one record, with its damage if there is a limit.

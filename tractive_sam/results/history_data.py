@@ -5,7 +5,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from tractive_sam.results.column_table import BOUND, PACKAGE_FIELDS
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
 from tractive_sam.results.state import Cost, FlashTemperature, State, Status
-from tractive_sam.results.stress import BodyFatigue, PlaneStress
+from tractive_sam.results.stress import BodyFatigue, InclusionPassage, PlaneStress
 from tractive_sam.results.table import Rows, TableRows, View
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
@@ -167,16 +167,24 @@ class HistoryData:
         """For a duty cycle: the `stresses` of each block."""
         return tuple(self._stresses_of(k) for k in range(len(self.block_names)))
 
+    @cached_property
+    def passages(self) -> dict[tuple[str, str], Rows[InclusionPassage]]:
+        """Passages by body and inclusion: a sequence with one a stored record; blocks have them."""
+        return self._rows_of("passage", InclusionPassage, self.block_index)
+
     def _stresses_of(self, block: int | None) -> dict[tuple[str, str], Rows[PlaneStress]]:
         """Return the stress by body and plane, of one block of a duty cycle."""
-        start = "stress/" if block is None else f"stress/block-{block}/"
-        stresses: dict[tuple[str, str], Rows[PlaneStress]] = {}
+        return self._rows_of("stress", PlaneStress, block)
+
+    def _rows_of(self, kind: str, of: Any, block: int | None) -> dict[tuple[str, str], Any]:
+        """Return the tables below a group as objects by body and name, of one block of a cycle."""
+        start, found = f"{kind}/" if block is None else f"{kind}/block-{block}/", {}
         for path, rows in self.tables.items():
-            body, _, plane = path.removeprefix(start).partition("/")
+            body, _, name = path.removeprefix(start).partition("/")
             if path.startswith(start) and body in BODIES:
-                read = partial(PlaneStress.from_table, rows, body, plane, block)
-                stresses[body, plane] = View(len(rows), read)
-        return stresses
+                read = partial(of.from_table, rows, body, name, block)
+                found[body, name] = View(len(rows), read)
+        return found
 
     @cached_property
     def cycles(self) -> dict[str, Rows[BodyFatigue]]:

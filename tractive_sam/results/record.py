@@ -31,7 +31,13 @@ from tractive_sam.results.quantity import (
     find_by_role,
 )
 from tractive_sam.results.state import State
-from tractive_sam.results.stress import FATIGUE_FIELDS, STRESS, BodyFatigue, PlaneStress
+from tractive_sam.results.stress import (
+    FATIGUE_FIELDS,
+    STRESS,
+    BodyFatigue,
+    InclusionPassage,
+    PlaneStress,
+)
 from tractive_sam.results.table import CollectedTables, Table, Variable, fields_table
 from tractive_sam.scene import Scene
 
@@ -64,7 +70,7 @@ class Record:
         user_columns: Iterable[Quantity] = (),
         chosen: dict[str, Quantity] | None = None,
         with_fields: bool = True,
-        stress: Iterable[PlaneStress] = (),
+        stress: Iterable[PlaneStress | InclusionPassage] = (),
         user_fields: Mapping[Quantity, np.ndarray] | None = None,
     ) -> "Record":
         """Return the record of a contact: values of all columns, and fields unless left out.
@@ -82,8 +88,8 @@ class Record:
             All columns by name, if they are known already.
         with_fields : bool
             Whether to store the fields.
-        stress : iterable of PlaneStress
-            Stress on planes.
+        stress : iterable of PlaneStress and InclusionPassage
+            Stress on planes, and passages of inclusions.
         user_fields : mapping of Quantity to ndarray, optional
             Fields in addition to `FIELDS`, shape (n_x, n_y).
         """
@@ -101,7 +107,7 @@ class Record:
         for quantity, array in (user_fields or {}).items():
             fields[quantity.name] = array
             quantities[quantity.name] = quantity.with_units_of(contact.scene)
-        tables = {plane.path: plane.table for plane in stress}
+        tables = {one.path: one.table for one in stress}
         tables["fields"] = fields_table(fields, quantities, contact.grid)
         return cls(values, names, tables)
 
@@ -134,7 +140,12 @@ class Record:
         return int(self.values["revolution"])
 
 
-TABLE_QUANTITIES = {"fields": PACKAGE_FIELDS, "stress": STRESS, "fatigue": FATIGUE_FIELDS}
+TABLE_QUANTITIES = {
+    "fields": PACKAGE_FIELDS,
+    "stress": STRESS,
+    "passage": InclusionPassage.quantities,
+    "fatigue": FATIGUE_FIELDS,
+}
 """Variables of the package in tables, by the first part of their paths."""
 
 
@@ -243,7 +254,7 @@ def cycle_record(
             path.replace("/", f"/block-{k}/", 1): table
             for k, record in enumerate(records)
             for path, table in record.tables.items()
-            if path.startswith("stress/")
+            if path.startswith(("stress/", "passage/"))
         }
     return Record(values, names, tables)
 

@@ -164,6 +164,79 @@ class PlaneStress(ShortArrays):
         return principal_stresses(self._tensor)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class InclusionPassage(ShortArrays):
+    """Contact and stress while an inclusion passes, by its position.
+
+    Attributes
+    ----------
+    body : "A" or "B"
+        The body that contains it.
+    inclusion : str
+        Its name: "inclusion-1" is the first one in [[inclusion]].
+    place : ndarray, shape (n,)
+        Positions of its centre in x, descending, mm.
+    p_max : ndarray, shape (n,)
+        Peak contact pressure, MPa; nan if its lift does not change the contact. It is solved at
+        every fifth position, and interpolated between them.
+    lift : ndarray, shape (n,)
+        Displacement of the surface above its centre, out of the body, mm.
+    von_mises : ndarray, shape (n,)
+        Largest equivalent stress of von Mises in the body beside it, MPa.
+    block : int, optional
+        Block of a duty cycle, from 0.
+
+    Examples
+    --------
+    >>> hole = ts.Inclusion(at=[0.0, 0.0, 1.5], radii=0.1, young=0.0, cells=5)
+    >>> passage = ts.roll(scene.replace(inclusion=[hole])).passage("A", "inclusion-1")
+    >>> passage.von_mises.shape, bool(abs(passage.place[passage.von_mises.argmax()]) < 0.5)
+    ((101,), True)
+    """
+
+    body: str
+    inclusion: str
+    place: np.ndarray
+    p_max: np.ndarray
+    lift: np.ndarray
+    von_mises: np.ndarray
+    block: int | None = None
+
+    quantities: ClassVar = index_by_name(
+        Quantity(name, unit, text, dims=("moment",))
+        for name, unit, text in (
+            ("place", "mm", "position of the centre of the inclusion in x"),
+            ("p_max", "MPa", "peak contact pressure above the lifted surface"),
+            ("lift", "mm", "displacement of the surface above the inclusion, out of the body"),
+            ("von_mises", "MPa", "largest von Mises stress of the body next to the inclusion"),
+        )
+    )
+
+    @property
+    def path(self) -> str:
+        """Path of its table: "passage/body/inclusion-1"."""
+        return f"passage/{self.body}/{self.inclusion}"
+
+    @property
+    def table(self) -> Table:
+        """The passage as a table."""
+        variables = {
+            name: Variable(quantity, quantity.dims, getattr(self, name))
+            for name, quantity in self.quantities.items()
+        }
+        moment = Quantity("moment", "1", "number of the position during the passage")
+        numbers = np.arange(float(self.place.size))
+        return Table(variables, {"moment": Variable(moment, ("moment",), numbers)})
+
+    @classmethod
+    def from_table(
+        cls, rows: Rows[Table], body: str, inclusion: str, block: int | None, row: int
+    ) -> Self:
+        """Return the passage of a record in a sequence of tables."""
+        table = rows[row]
+        return cls(body, inclusion, **{k: table[k] for k in cls.quantities}, block=block)
+
+
 Point = tuple[float, float, float]
 """(x, y, depth), mm."""
 

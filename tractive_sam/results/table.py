@@ -1,8 +1,8 @@
 """Tables: arrays with named dimensions, a part of one record or of all records of a history.
 
-A record has a table for its fields, and one for the stress on each plane and for the fatigue of
-each body, by paths as in the results file: "fields", "stress/A/y=0", "stress/block-0/A/y=0",
-"fatigue/A".
+A record has a table for its fields, and one for the stress on each plane, for the passage of each
+inclusion and for the fatigue of each body, by paths as in the results file: "fields",
+"stress/A/y=0", "stress/block-0/A/y=0", "passage/A/inclusion-1", "fatigue/A".
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -21,6 +21,7 @@ from tractive_sam.mechanics import VolumeLife, Woehler
 from tractive_sam.results import (
     BODIES,
     BodyFatigue,
+    InclusionPassage,
     Maximum,
     PlaneStress,
     Quantity,
@@ -222,9 +223,9 @@ class AroundInclusions(_ContactObserver):
                     values.setdefault(f"inclusion_{name}_at", {})[body] = at
         return values
 
-    def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return the stress around each inclusion at the moment of its largest value."""
-        return tuple(one.plane for one in self.solved[block][0])
+    def record_stress(self, block: int) -> tuple[PlaneStress | InclusionPassage, ...]:
+        """Return the stress around each inclusion when it is largest, and during the passage."""
+        return tuple(table for one in self.solved[block][0] for table in (one.plane, one.passage))
 
     def remark(self, model: Model) -> str:
         """Return a remark on inclusions that wear has uncovered, or whose lift has not settled."""

@@ -32,6 +32,7 @@ from tractive_sam.results import (
     Cost,
     Grid,
     History,
+    InclusionPassage,
     PlaneStress,
     Quantity,
     Record,
@@ -198,8 +199,8 @@ class Observer(ABC):
         """Return the `fields` in the contact of a block, by name, (n_x, n_y); none by default."""
         return {}
 
-    def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return the stress on planes below a block's contact, to store; none by default."""
+    def record_stress(self, block: int) -> tuple[PlaneStress | InclusionPassage, ...]:
+        """Return the stress below a block's contact that is stored; none by default."""
         return ()
 
     @property
@@ -686,7 +687,7 @@ class Process(ABC, Generic[AnyStep]):
         if PARTS.name in values:
             user_columns.append(PARTS)
         of_fields: dict[Quantity, np.ndarray] = {}
-        stress: list[PlaneStress] = []
+        stress: list[PlaneStress | InclusionPassage] = []
         for seen in self._observers_of(step):
             contact = seen.complete(contact, block)
             values |= seen.record_block(block)

@@ -19,6 +19,9 @@
     /stress    only with [subsurface]: a group <body>/<plane> with record, revolution and the two
                axes of the plane, for example x and depth; components (record, x, depth); for duty
                cycles, these groups are in the groups block-0, block-1 and so on
+    /passage   only with [[inclusion]]: a group <body>/inclusion-<k> with record, revolution and
+               moment; place, p_max, lift and von_mises (record, moment); for duty cycles, these
+               groups are in the groups block-0, block-1 and so on
     /fatigue   only with [fatigue]: a group for each body with record, revolution, depth (below the
                present surface) and zeta (below the unworn surface); utilisation, residual_shear
                and path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)

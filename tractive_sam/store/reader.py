@@ -256,10 +256,9 @@ def _read_tables(
     file: ResultsFile, scene: Scene, fields: Mapping[str, Quantity], coordinate: str
 ) -> dict[str, StoredRows]:
     """Return the fields, stress and fatigue by path, read when accessed."""
-    blocks = [f"stress/block-{k}" for k in range(len(scene.duty))]
-    shifts = {path: block.shift_y for path, block in zip(blocks, scene.duty, strict=True)}
-    paths = ["fields"]
-    for start in ("stress", *blocks):
+    kinds, paths = ("stress", "passage"), ["fields"]
+    shifts = {f"{kind}/block-{k}": b.shift_y for k, b in enumerate(scene.duty) for kind in kinds}
+    for start in (*kinds, *shifts):
         for body in sorted({*BODIES}.intersection(file.names(start) if start in file else ())):
             paths += [f"{start}/{body}/{plane}" for plane in file.names(f"{start}/{body}")]
     if scene.fatigue is not None and "fatigue" in file:
@@ -268,7 +267,7 @@ def _read_tables(
     for path in paths:
         kind = path.partition("/")[0]
         quantities = {**TABLE_QUANTITIES[kind], **(fields if kind == "fields" else {})}
-        if kind != "stress":  # which has all components
+        if kind not in kinds:  # which have all variables
             stored = _stored_names(path, quantities, file)
             quantities = {name: quantities[name] for name in stored}
         file.check(f"{path}/{coordinate}", (length,))

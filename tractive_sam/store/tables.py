@@ -270,7 +270,7 @@ class StoredRows:
             arrays = {name: file.row(f"{self.path}/{name}", row) for name in self.variables}
             axes = {
                 name: file.all_numbers(f"{self.path}/{name}")
-                for name in ("x", "y", "along", "depth", "zeta")
+                for name in ("x", "y", "along", "depth", "zeta", "moment")
                 if f"{self.path}/{name}" in file
             }
             about = {
@@ -288,7 +288,11 @@ class StoredRows:
         return Table(
             {name: v._replace(data=arrays[name]) for name, v in self.variables.items()},
             {
-                name: Variable(Quantity(name, "mm", f"position in {name}"), (name,), places)
+                name: Variable(
+                    Quantity(name, "1" if name == "moment" else "mm", f"position in {name}"),
+                    (name,),
+                    places,
+                )
                 for name, places in axes.items()
             },
             about,

@@ -14,7 +14,7 @@ import scipy  # its parts are loaded when first used
 from tractive_sam.contact import Laws, Model, equilibrium
 from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import Material, Steel, principal_stresses, von_mises
-from tractive_sam.results import COMPONENTS, PlaneStress, Point, State
+from tractive_sam.results import COMPONENTS, InclusionPassage, PlaneStress, Point, State
 from tractive_sam.scene import Plane
 from tractive_sam.solvers import combine_images
 from tractive_sam.subsurface.fatigue_cycles import LocalSteel
@@ -54,6 +54,8 @@ class InclusionStress(ShortArrays):
     plane : PlaneStress
         Stress around it at the moment of the largest von Mises stress, over the distance from its
         centre along x and the depth below the unworn surface; depths worn off have nan.
+    passage : InclusionPassage
+        Pressure, lift and stress by its position.
     above : LiftedPass, optional
         Contacts during the passage, if the lift changes the contact.
 
@@ -74,6 +76,7 @@ class InclusionStress(ShortArrays):
     utilisation_at: Point
     lift: float
     plane: PlaneStress
+    passage: InclusionPassage
     above: LiftedPass | None = None
 
 
@@ -447,7 +450,11 @@ class _Passing:
         return np.einsum("pn,cnk->cpk", self.shares, stress), points
 
     def largest(
-        self, k: int, measure: Callable[[np.ndarray, np.ndarray], np.ndarray], rounds: int = 3
+        self,
+        k: int,
+        near: tuple[np.ndarray, np.ndarray],
+        measure: Callable[[np.ndarray, np.ndarray], np.ndarray],
+        rounds: int = 3,
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Return the largest measure of a cycle beside an inclusion, its cycle, and its point (3,).
 
@@ -455,20 +462,23 @@ class _Passing:
         ----------
         k : int
             The inclusion.
+        near : tuple
+            Stress and points beside it, of `near`.
         measure : callable
             Returns the measure (points,) of cycles (6, positions + 1, points) at depths (points,).
         rounds : int
             Searches around the largest one of an ellipsoid, each as wide as half of the one before.
         """
-        directions, width = sphere_points(), math.pi / math.sqrt(sphere_points().shape[1])
-        for left in range(rounds, -1, -1):
-            cycle, points = self.near(k, directions)
-            values = measure(cycle, points[2])
-            top = int(values.argmax())
-            if not (left and self.group.inclusions[k].is_ellipsoid and np.isfinite(values[top])):
+        directions, (cycle, points) = sphere_points(), near
+        width = math.pi / math.sqrt(directions.shape[1])
+        values = measure(cycle, points[2])
+        for _ in range(rounds * self.group.inclusions[k].is_ellipsoid):
+            if not np.isfinite(values).any():
                 break
-            directions = points_around(directions[:, top], width)
-            width *= 0.5
+            directions = points_around(directions[:, values.argmax()], width)
+            cycle, points = self.near(k, directions)
+            values, width = measure(cycle, points[2]), 0.5 * width
+        top = int(values.argmax())
         return float(values[top]), cycle[..., top], points[:, top]
 
     def section(self, k: int, moment: int | None) -> PlaneStress:
@@ -502,29 +512,65 @@ class _Passing:
         """Return the results of each inclusion by its place in [[inclusion]]."""
         found = {}
         if self.is_open:
-            nowhere = (math.nan,) * 3
+            nowhere, unknown = (math.nan,) * 3, np.full((4, self.moments), math.nan)
             for k, number in enumerate(self.numbers):
                 about = number, self.body, math.nan, nowhere, math.nan, math.nan, nowhere, math.nan
-                found[number] = InclusionStress(*about, self.section(k, None))
+                passage = InclusionPassage(self.body, f"inclusion-{number + 1}", *unknown)
+                found[number] = InclusionStress(*about, self.section(k, None), passage)
             return found
-        own = self.group.share * self.solved[1]
-        lift = float(np.abs(self.shares @ self.group.box.lift(own, *np.zeros((2, 1)))).max())
+        lifts = self.lifts()
         for k, number in enumerate(self.numbers):
-            mises, cycle, point = self.largest(k, lambda cycles, _: von_mises(cycles).max(axis=0))
+            near = self.near(k)
+            mises, cycle, point = self.largest(k, near, lambda v, _: von_mises(v).max(axis=0))
             moment = int(von_mises(cycle).argmax())
-            moved = (*self.x, math.nan)[moment]
             x, y, depth = point.tolist()
+            at = x + (*self.x, math.nan)[moment], y, depth
             strain, own = (self.group.inside(k, values) for values in self.solved)
             few = slice(None, None, max(1, own.shape[-1] // 200))
             stress = np.tensordot(self.group.stiffness, (strain - own)[..., few], 1)
             tension = principal_stresses(np.einsum("pn,cnk->cpk", self.shares, stress))[0].max()
-            used, _, point = self.largest(k, self._utilisation)
-            place = (math.nan, *(point[1:] if math.isfinite(used) else [math.nan] * 2))
+            used, _, point = self.largest(k, near, self._utilisation)
+            place = (math.nan, *(point[1:].tolist() if math.isfinite(used) else [math.nan] * 2))
             found[number] = InclusionStress(
-                number, self.body, mises, (x + moved, y, depth), float(tension),
-                used, place, lift, self.section(k, moment), self.above,
+                number, self.body, mises, at, float(tension), used, place,
+                float(np.abs(lifts[k]).max()), self.section(k, moment),
+                self.passage(k, near[0], cycle, lifts[k, :-1]), self.above,
             )  # fmt: skip
         return found
+
+    def lifts(self) -> np.ndarray:
+        """Return the lift of the surface above each inclusion, (inclusions, positions + 1), mm."""
+        x, y, _ = (self.group.places - [self.group.cells[k].mean() for k in (1, 2, 0)]).T
+        return (self.shares @ self.group.box.lift(self.group.share * self.solved[1], x, y)).T
+
+    def passage(
+        self, k: int, cycles: np.ndarray, highest: np.ndarray, lift: np.ndarray
+    ) -> InclusionPassage:
+        """Return the passage of an inclusion.
+
+        Parameters
+        ----------
+        k : int
+            The inclusion.
+        cycles : ndarray, shape (6, positions + 1, points)
+            Stress beside it, of `near`.
+        highest : ndarray, shape (6, positions + 1)
+            Cycle of the point with the largest stress.
+        lift : ndarray, shape (positions,)
+            Lift of the surface above it, mm.
+        """
+        stress = von_mises(cycles)
+        mises = np.maximum(stress.max(axis=1), von_mises(highest))
+        if self.group.inclusions[k].is_ellipsoid:  # search around the largest values, too
+            tops, width = sphere_points()[:, np.unique(stress.argmax(axis=1))], 0.13
+            more = np.concatenate([points_around(top, width) for top in tops.T], axis=1)
+            mises = np.maximum(mises, von_mises(self.near(k, more)[0]).max(axis=1))
+        pressure = np.full(self.x.size, math.nan)
+        if self.above is not None:
+            pressure = scipy.interpolate.CubicSpline(-self.above.x, self.above.peaks)(-self.x)
+        place = self.x + self.group.places[k, 0] - self.group.cells[1].mean()
+        name = f"inclusion-{self.numbers[k] + 1}"
+        return InclusionPassage(self.body, name, place, pressure, lift, mises[:-1])
 
     def _utilisation(self, cycle: np.ndarray, depth: np.ndarray) -> np.ndarray:
         """Return the utilisation of points by their cycles; nan without a limit for the body."""
