@@ -313,7 +313,7 @@ def test_a_void_lowers_the_pressure_above_it_and_a_rigid_inclusion_raises_it(coa
     for young in (0.0, 1e8):
         scene = lifting(young)
         (around,) = around_inclusions(replace(coarse, scene=scene))
-        above, middle = around.above, len(around.above.x) // 2
+        above, middle = around.above, np.abs(around.above.x).argmin()
         assert above.residual <= above.tolerance
         peaks[young] = above.peaks[middle]
         assert above.peaks[0] == pytest.approx(coarse.p_max, rel=3e-3)  # not yet below the contact
@@ -338,7 +338,7 @@ def test_a_small_lift_changes_the_pressure_in_proportion(coarse):
     for factor in (1.0, 2.0):
         swollen = lifting(208e3, eigenstrain=[0.0, 0.0, 1e-5 * factor, 0.0, 0.0, 0.0])
         (around,) = around_inclusions(replace(coarse, scene=swollen))
-        changes.append(around.above.peaks[10] - coarse.p_max)
+        changes.append(around.above.peaks[np.abs(around.above.x).argmin()] - coarse.p_max)
     assert changes[0] > 0.1  # MPa
     assert changes[1] == pytest.approx(2.0 * changes[0], rel=0.02)  # edge elements change state
 
@@ -348,7 +348,7 @@ def test_the_iterated_contact_is_the_direct_solution_with_the_compliance_of_the_
     scene = lifting(0.0, elements=10, at=[0.0, 0.0, 0.17], radii=0.08)
     contact = ts.solve(scene)
     (around,) = around_inclusions(contact)
-    found = around.above.contacts[len(around.above.x) // 2]
+    found = around.above.contacts[np.abs(around.above.x).argmin()]
     touching, n = found.touching, int(found.touching.sum())
     extra, plain = np.empty((n, n)), np.empty((n, n))
     model = Model(scene, grid=contact.grid)
@@ -391,12 +391,12 @@ def test_the_lift_is_stored_and_remarked(tmp_path):
     for name in passage.quantities:
         live = getattr(history.passage("B", "inclusion-1"), name)
         np.testing.assert_array_equal(getattr(passage, name), live)
-    assert passage.p_max[::5].min() == pytest.approx(stored["inclusion_p_min"][0, 1], rel=1e-12)
+    assert np.nanmin(passage.p_max) == stored["inclusion_p_min"][0, 1]
     assert passage.von_mises.max() == stored["inclusion_von_mises"][0, 1]
     assert np.abs(passage.lift).max() == pytest.approx(stored["inclusion_lift"][0, 1], rel=1e-12)
-    drawn = [drawing for drawing in plot.list_figures(stored) if "passage" in drawing.name]
-    assert [drawing.name for drawing in drawn] == ["passage-inclusion-1"]
-    pressure, lift, stress = drawn[0].draw().axes
+    drawings = [drawing for drawing in plot.list_figures(stored) if "passage" in drawing.name]
+    assert [drawing.name for drawing in drawings] == ["passage-inclusion-1"]
+    pressure, lift, stress = drawings[0].draw().axes
     assert pressure.get_ylabel() == r"$p_\mathrm{max}/p_0$"
     np.testing.assert_allclose(lift.lines[0].get_ydata() * stored["approach"][0], passage.lift)
     with plot.units("si-mm"):

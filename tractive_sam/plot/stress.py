@@ -467,11 +467,11 @@ def inclusion_passage(
     edges = view.x_over_a[contact.touching.any(axis=1)][[0, -1]]
     for axes, (values, name) in zip(panels, curves, strict=True):
         axes.axvspan(*edges, color="0.93", linewidth=0.0, label="contact")
-        axes.plot(passage.place / scale.length, values, color=LOOK.bodies[body])
+        known, style = np.isfinite(values), {"color": LOOK.bodies[body]}
+        style |= {} if known.all() else {"marker": ".", "label": "solved contacts"}
+        axes.plot(passage.place[known] / scale.length, values[known], **style)
         axes.set_ylabel(name)
     if has_pressure:
-        x, y = panels[0].lines[0].get_data()
-        panels[0].plot(x[::5], y[::5], ".", color=LOOK.bodies[body], label="solved contacts")
         look: dict[str, Any] = {"color": LOOK.grey, "linestyle": "--"}
         level = contact.p_max / scale.pressure
         panels[0].axhline(level, label="without the inclusion", **look)

@@ -177,8 +177,8 @@ class InclusionPassage(ShortArrays):
     place : ndarray, shape (n,)
         Positions of its centre in x, descending, mm.
     p_max : ndarray, shape (n,)
-        Peak contact pressure, MPa; nan if its lift does not change the contact. It is solved at
-        every fifth position, and interpolated between them.
+        Peak contact pressure, MPa; nan at positions where the contact is not solved, and if the
+        lift does not change it.
     lift : ndarray, shape (n,)
         Displacement of the surface above its centre, out of the body, mm.
     von_mises : ndarray, shape (n,)

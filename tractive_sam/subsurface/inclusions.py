@@ -240,7 +240,10 @@ class _Passing:
     nodes: ClassVar[int] = 8
     """Depths at which the stress of the contact is computed."""
     every: ClassVar[int] = 5
-    """Every fifth position is solved with the lift; between, the change is interpolated."""
+    """Every fifth position is solved with the lift, and those with the extreme pressures.
+
+    Between them, the change is interpolated.
+    """
 
     @cached_property
     def group(self) -> InclusionGroup:
@@ -350,10 +353,10 @@ class _Passing:
         most : int
             Most contacts at a position.
         """
-        response, x = _LiftResponse(self), self.x[:: self.every]
-        contact = self.contact
+        response, contact = _LiftResponse(self), self.contact
+        places = self.x[:: self.every].tolist()
         contacts, lifts, iterations, residual = list[State](), list[np.ndarray](), 0, 0.0
-        for place in x:
+        for place in places:  # which grow
             images, changes = list[np.ndarray](), list[np.ndarray]()
             lift = response.on_mesh(self.load_at(place, self.contact, self.group), place)
             while len(images) < most:
@@ -369,7 +372,16 @@ class _Passing:
             residual = max(residual, missed if contact.converged else math.inf)
             contacts.append(contact)
             lifts.append(lift)
-        return LiftedPass(x, tuple(contacts), np.array(lifts), iterations, residual)
+            if len(contacts) == len(self.x[:: self.every]):  # extremes between them
+                peaks = [contact.p_max for contact in contacts]
+                course = scipy.interpolate.CubicSpline(-np.array(places), peaks)(-self.x)
+                extremes = self.x[[course.argmin(), course.argmax()]].tolist()
+                places += [place for place in extremes if place not in places]
+        order = np.argsort(places)[::-1]
+        above = tuple(contacts[k] for k in order)
+        return LiftedPass(
+            np.array(places)[order], above, np.array(lifts)[order], iterations, residual
+        )
 
     def constant(self, group: InclusionGroup) -> np.ndarray:
         """Return the residual stress (6, n_z, n_x, n_y) in the cells of a box."""
@@ -567,7 +579,7 @@ class _Passing:
             mises = np.maximum(mises, von_mises(self.near(k, more)[0]).max(axis=1))
         pressure = np.full(self.x.size, math.nan)
         if self.above is not None:
-            pressure = scipy.interpolate.CubicSpline(-self.above.x, self.above.peaks)(-self.x)
+            pressure[np.isin(self.x, self.above.x)] = self.above.peaks
         place = self.x + self.group.places[k, 0] - self.group.cells[1].mean()
         name = f"inclusion-{self.numbers[k] + 1}"
         return InclusionPassage(self.body, name, place, pressure, lift, mises[:-1])
