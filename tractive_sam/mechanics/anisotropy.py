@@ -323,7 +323,7 @@ class AnisotropicHalfSpaces(LinearHalfSpaces):
         even, angle = self.harmonics[::2], np.arctan2(normal[1], normal[0])
         waves = np.exp(2j * np.outer(angle, np.arange(len(even))))
         waves[:, 1:] *= 2.0
-        S = np.einsum("mn,nab->mab", waves, even).real
+        S = np.tensordot(waves, even, 1).real
         zz = zz + S[:, 2:, 2:]
         tangential = (TT * np.eye(2) + (LL - TT) * across + S[:, :2, :2]) / zz
         if not self.harmonics[::2, :2, 2].any():
@@ -455,21 +455,31 @@ def _coefficients(
         line = integrate_sign(x, dx) if odd else integrate_logarithm(x, dx, law.datum)
         table[:, 0] = harmonics[part].sum().real * line
     elif harmonics[part].any():
-        # Slip needs one more offset along x than displacement: from the same integrals.
-        longer = offsets[0] + offsets[0] % 2, offsets[1]
-        table = _integrate_elements(law, longer, dx, dy)[part][: offsets[0]]
+        # They are proportional to the size of the elements: those of coarser meshes are the first.
+        stored = _stored_tables(law, dy / dx)
+        if part not in stored or (np.array(stored[part].shape) < offsets).any():
+            # Slip needs one more offset along x than displacement.
+            longer = offsets[0] + offsets[0] % 2, offsets[1]
+            stored.update(_integrate_elements(law, longer, dy / dx))
+        table = dx * stored[part][: offsets[0], : offsets[1]]
     if len(part) == 2 and law.images[1].any():
         table = table + LinearHalfSpaces.coefficients(law, part, offsets, dx, dy)
     return table
 
 
-@lru_cache(2)
+_stored_tables = lru_cache(2)(lambda law, aspect: dict[str, np.ndarray]())
+"""Results of `_integrate_elements` by law and width over length of the elements."""
+
+
 def _integrate_elements(
-    law: AnisotropicHalfSpaces, offsets: tuple[int, int], dx: float, dy: float
+    law: AnisotropicHalfSpaces, offsets: tuple[int, int], aspect: float
 ) -> dict[str, np.ndarray]:
-    """Return the displacement by a unit traction on an element, of all parts that are not zero."""
+    """Return the displacement by a unit traction on an element, of all parts that are not zero.
+
+    The element has the length 1 and the width `aspect`.
+    """
     parities, spline, *factors = _integrate_corners(law)
-    x, y = (side * (np.arange(n) + 0.5) for side, n in zip((dx, dy), offsets, strict=True))
+    x, y = (side * (np.arange(n) + 0.5) for side, n in zip((1.0, aspect), offsets, strict=True))
     x, r = x[:, None], np.hypot(x[:, None], y)
     ends = x * np.arcsinh(y / x), y * np.arcsinh(x / y), x * np.log(r / x), y * np.log(r / y)
     corners = np.moveaxis(spline(np.arctan2(y, x)), 2, 0) * r

@@ -8,7 +8,7 @@ from .elastic import Lattice as Lattice
 from .elastic import Operators as Operators
 from .elastic import operators_of as operators_of
 from .elastic import row_compliance as row_compliance
-from .elastic import transform_quadrant as transform_quadrant
+from .elastic import transform_quadrants as transform_quadrants
 from .heat import STEPS_FROM as STEPS_FROM
 from .heat import HeatMemory as HeatMemory
 from .heat import SurfaceHeat as SurfaceHeat

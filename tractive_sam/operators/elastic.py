@@ -21,7 +21,7 @@ instead of 5 on the scene `spheres` at 45 x 45.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache, partial, reduce
 from math import prod
 from typing import Any, Literal
 
@@ -157,23 +157,25 @@ def unfold(values: np.ndarray, parity: int, period: int) -> np.ndarray:
     return np.concatenate((values[..., : half + 1], mirrored), axis=-1)
 
 
-def transform_quadrant(
-    table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], difference: bool = False
+def transform_quadrants(
+    tables: Sequence[tuple[np.ndarray, tuple[int, int]]],
+    period: tuple[int, int],
+    difference: bool = False,
 ) -> np.ndarray:
-    """Return the spectrum of a periodic table from its entries at offsets >= 0.
+    """Return the spectrum of a sum of periodic tables from their entries at offsets >= 0.
 
-    Only these are transformed along y, and only half of the result along x.
+    Only these are transformed along y. If the tables have one parity in y, only half of the result
+    is transformed along x.
 
     Parameters
     ----------
-    table : ndarray, shape (p_x/2 + 1 or more, p_y/2 + 1 or more)
-        Entries at offsets >= 0; for a difference one more in x.
-    parity : tuple of int
-        1 if the table is even in x (in y), -1 if it is odd.
+    tables : sequence of (ndarray, (int, int))
+        Entries at offsets >= 0, shape (p_x/2 + 1 or more, p_y/2 + 1 or more), for a difference one
+        more in x; and 1 if the table is even in x (in y), -1 if it is odd.
     period : tuple of int
         (p_x, p_y), even.
     difference : bool
-        Whether to transform the table less the same table one element ahead in x.
+        Whether to transform the sum less the same sum one element ahead in x.
 
     Returns
     -------
@@ -181,18 +183,30 @@ def transform_quadrant(
     """
     # Of real values, the transform is real if they are even, i times real if they are odd; its
     # other half is the complex conjugate.
-    (even_x, even_y), half = parity, period[0] // 2
-    along_y = np.fft.rfft(unfold(table[: half + 2], even_y, period[1]))
-    rows = (along_y.real if even_y > 0 else along_y.imag).T
-    values = unfold(rows, even_x, period[0])
+    half, across = period[0] // 2, {even_y for _, (_, even_y) in tables}
+    along: dict[int, list[np.ndarray]] = {}
+    for table, (even_x, even_y) in tables:
+        unfolded = unfold(table[: half + 2], even_y, period[1])
+        if len(across) > 1 and even_y < 0:  # at half a period an odd function is zero
+            unfolded[:, period[1] // 2] = 0.0
+        along.setdefault(even_x, []).append(unfolded)
+    rows = {}
+    for even_x, alike in along.items():
+        waves: Any = np.fft.rfft(reduce(np.add, alike))
+        if len(across) == 1:
+            waves = waves.real if 1 in across else waves.imag
+        rows[even_x] = waves.T
+    values = reduce(np.add, (unfold(row, even_x, period[0]) for even_x, row in rows.items()))
     if difference:
         # Not periodic: beyond half a period, the next entry is that of the table.
         ahead = np.roll(values, -1, axis=1)
-        ahead[:, half] = rows[:, half + 1]
+        ahead[:, half] = reduce(np.add, (row[:, half + 1] for row in rows.values()))
         values = values - ahead
+    if len(across) > 1:
+        return np.fft.fft(values).T
     columns = np.fft.rfft(values)
     spectrum = np.concatenate((columns, columns[:, half - 1 : 0 : -1].conj()), axis=1).T
-    return spectrum if even_y > 0 else 1j * spectrum
+    return spectrum if 1 in across else 1j * spectrum
 
 
 def transform_displacement(
@@ -201,6 +215,7 @@ def transform_displacement(
     component: str,
     period: tuple[int, int] | None = None,
     difference: bool = False,
+    symmetry: int = 0,
 ) -> np.ndarray:
     """Return the spectrum of the displacement u_A - u_B per unit traction on an element.
 
@@ -220,6 +235,8 @@ def transform_displacement(
         (p_x, p_y), no longer than `Lattice.padded`, which it is by default.
     difference : bool
         Whether to return the spectrum of the displacement less that of the element ahead.
+    symmetry : int
+        1 (-1): only the part that is equal (opposite) at opposite offsets.
 
     Returns
     -------
@@ -229,16 +246,17 @@ def transform_displacement(
     padded, sides = lattice.padded, (lattice.dx, lattice.dy)
     # At most 64 MiB are stored.
     store = _may_be_stored(lattice, elasticity, 2**17)
-    transform = _stored_transform if store else _transform_table
-    arguments = elasticity, padded, sides
+    transform = _stored_transform if store else _transform_tables
     known = component if component in PARITIES else component[::-1]
-    parts = [
-        # By reciprocity, a reverse component is the same at the opposite offset.
-        (-1.0 if known != component and prod(parity) < 0 else 1.0)
-        * transform(*arguments, part, parity, period or padded, difference)
+    # By reciprocity, a reverse component is the same at the opposite offset.
+    main = prod(PARITIES[known])
+    sign = -1.0 if known != component and main < 0 else 1.0
+    parts = tuple(
+        (part, parity, 1.0 if known == component or prod(parity) == main else -1.0)
         for part, parity in elasticity.parts(known).items()
-    ]
-    return sum(parts[1:], start=parts[0])
+        if symmetry in (0, prod(parity))
+    )
+    return sign * transform(elasticity, padded, sides, parts, period or padded, difference)
 
 
 def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bool:
@@ -246,31 +264,34 @@ def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bo
     return prod(lattice.padded) <= largest and vars(type(elasticity)).get("shared", False)
 
 
-def _transform_table(
+def _transform_tables(
     elasticity: Elasticity,
     padded: tuple[int, int],
     sides: tuple[float, float],
-    component: str,
-    parity: tuple[int, int],
+    parts: tuple[tuple[str, tuple[int, int], float], ...],
     period: tuple[int, int],
     difference: bool,
 ) -> np.ndarray:
-    """Return the spectrum of a part of displacements on elements with these sides."""
-    if period != padded and not difference:
-        spectrum = elasticity.periodic(component, period, *sides)
-        if spectrum is not None:
-            return spectrum / (period[0] * period[1])
+    """Return the spectrum of parts of displacements, by name, parity and sign, on elements."""
     offsets = padded[0] // 2 + 1 + difference, padded[1] // 2 + 1
-    scaled = elasticity.coefficients(component, offsets, *sides) / (period[0] * period[1])
-    spectrum = transform_quadrant(scaled, parity, period, difference)
-    if elasticity.symmetric:
-        return spectrum
-    lag = elasticity.lag(component, offsets, *sides) / (period[0] * period[1])
-    odd, across = parity
-    return spectrum + transform_quadrant(lag, (-odd, across), period, difference)
+    spectra, tables, scale = list[np.ndarray](), [], period[0] * period[1]
+    for part, parity, sign in parts:
+        if period != padded and not difference:
+            spectrum = elasticity.periodic(part, period, *sides)
+            if spectrum is not None:
+                spectra.append(spectrum / (sign * scale))
+                continue
+        table = elasticity.coefficients(part, offsets, *sides)
+        tables.append((table / (sign * scale), parity))
+        if not elasticity.symmetric:
+            lag = elasticity.lag(part, offsets, *sides)
+            tables.append((lag / (sign * scale), (-parity[0], parity[1])))
+    if tables:
+        spectra.append(transform_quadrants(tables, period, difference))
+    return reduce(np.add, spectra)
 
 
-_stored_transform = lru_cache(64)(_transform_table)
+_stored_transform = lru_cache(64)(_transform_tables)
 
 
 def block_mean(
@@ -402,10 +423,11 @@ class Operators:
     def _tangential_spectra(
         self, period: tuple[int, int] | None = None, difference: bool = False
     ) -> np.ndarray:
-        """Return the spectra (11, 12, 22) of A_tt / dx, or of its difference in x, D_tt."""
-        entries = [self._displacement(k, period, difference) for k in ("xx", "xy", "yy")]
-        if not self.elasticity.interchangeable:
-            entries[1] = 0.5 * (entries[1] + self._displacement("yx", period, difference))
+        """Return the spectra (11, 12, 22) of A_tt / dx, or of its difference in x, D_tt.
+
+        They are those of the symmetric part of the matrix.
+        """
+        entries = [self._displacement(k, period, difference, 1) for k in ("xx", "xy", "yy")]
         if not difference and self.elasticity.symmetric:  # even, and so real
             entries = [entry.real for entry in entries]
         return self._per_dx * np.stack(self._tangential(*entries))
@@ -416,9 +438,8 @@ class Operators:
         if self.elasticity.interchangeable:
             return [first, mixed, mixed, second]
         # A rotation does not change the part with opposite signs.
-        unlike = self._displacement("xy", None, difference)
-        unlike = unlike - self._displacement("yx", None, difference)
-        unlike = 0.5 * self._per_dx * np.linalg.det(self.frame.matrix) * unlike
+        unlike = self._displacement("xy", None, difference, -1)
+        unlike = self._per_dx * np.linalg.det(self.frame.matrix) * unlike
         return [first, mixed + unlike, mixed - unlike, second]
 
     def _between_tractions(self, difference: bool) -> Convolution:

@@ -23,7 +23,7 @@ from tractive_sam.mechanics import (
     StressCriterion,
     Strips,
 )
-from tractive_sam.operators import Lattice, extent, transform_quadrant
+from tractive_sam.operators import Lattice, extent, transform_quadrants
 from tractive_sam.results import COMPONENTS, Grid, InterfaceStress, Point
 from tractive_sam.subsurface.sources import (
     PatchStress,
@@ -307,7 +307,7 @@ class LayeredStress(ElementSums):
                     for load, name in enumerate("xyn"):
                         letters = component + name
                         parity = tuple((-1) ** letters.count(axis) for axis in "xy")
-                        waves[c, load] = transform_quadrant(of_depth[c, load], parity, period)
+                        waves[c, load] = transform_quadrants([(of_depth[c, load], parity)], period)
                 yield waves
 
     def _tables(self, depths: np.ndarray, columns: int = 12) -> np.ndarray:

@@ -13,7 +13,7 @@ from tractive_sam.contact import Laws
 from tractive_sam.kernels import half_space as formula
 from tractive_sam.kernels.tops import ENDED, GOES_ON, climb, find_tops, last_steps, stencil
 from tractive_sam.mechanics import Elasticity, HalfSpaces, LinearHalfSpaces, Steel, Strips
-from tractive_sam.operators import Lattice, transform_quadrant
+from tractive_sam.operators import Lattice, transform_quadrants
 from tractive_sam.results import COMPONENTS, Grid, Maximum, PlaneStress, Point, State, widen_field
 from tractive_sam.scene import Plane, Scene, Subsurface
 from tractive_sam.subsurface import anisotropic  # noqa: F401, registers its stress solver
@@ -592,7 +592,7 @@ def displacement(
         (px // 2 + 1, py // 2 + 1), grid.dx, grid.dy, depth, getattr(material, body).poisson
     )
     kernels = {
-        name: transform_quadrant(values, formula.PARITY[name], lattice.padded)
+        name: transform_quadrants([(values, formula.PARITY[name])], lattice.padded)
         for name, values in table.items()
     }
     kernels["yx"] = kernels["xy"]
