@@ -3,7 +3,9 @@
 - A rigid ball on crystals and fibres: errors of size, pressure and approach against Willis's
   integrals, over meshes.
 - Rolling of equal crystals on meshes, against a finer one.
-- CPU time of solutions of 181 x 181 elements over those of isotropic bodies.
+- CPU time and applications of solutions of 181 x 181 elements over those of isotropic bodies of
+  unlike material, for 20 random crystals and fibres in random directions, with equal shares of the
+  creepage of full slip: `python benchmarks/anisotropy.py cost`.
 - Random stiffnesses with ratios up to 1000 on 15 x 15 elements against dense equations, whose
   coefficients are integrals over the angle with Stroh's eigenvectors:
   `python benchmarks/anisotropy.py hard [NUMBER]`.
@@ -81,21 +83,32 @@ def rolling():
             yield {"body": name, "elements": n} | {k: v / 30.0 for k, v in errors.items()}
 
 
-def cost():
-    alike = seconds(lambda: ts.solve(on_mesh(pair(STEEL), 181)))
-    unlike = {"young": 70e3, "poisson": 0.33}
-    unlike = seconds(lambda: ts.solve(on_mesh(pair(unlike, STEEL), 181)))
-    for name, stiffness in NAMES.items():
-        for other in (None, STEEL):
-            scene = on_mesh(pair({"stiffness": stiffness}, other), 181)
-            coupled = ts.Laws.of(scene).elasticity.coupled
-            time = seconds(lambda scene=scene: ts.solve(scene))
-            yield {
-                "body": name,
-                "other": "the same" if other is None else "steel",
-                "coupled": coupled,
-                "time over isotropic": time / (unlike if coupled else alike),
-            }
+def at_share(scene, share):
+    """The scene on 181 x 181 elements with a share of the creepage of full slip."""
+    scene = on_mesh(scene, 181)
+    S = ts.Laws.of(scene).elasticity.opening(np.array([[1.0], [0.0]]), 1.0, 1.0)[0, 0, 0]
+    full = 0.3 * scene.hertz.a / 20.0 * S
+    creepage = {"longitudinal": -share * full, "lateral": 0.4 * share * full}
+    return scene.replace(creepage=creepage)
+
+
+def cost(number=20):
+    rng, crystals = np.random.default_rng(7), sorted(ts.Stiffness.crystals)
+    for k in range(number):
+        angles = dict(zip(("phi1", "Phi", "phi2"), rng.uniform(0.0, 180.0, 3), strict=True))
+        name = "fibres" if k % 4 == 3 else str(rng.choice(crystals))
+        body = {"stiffness": (FIBRES if name == "fibres" else {"crystal": name}) | angles}
+        other, share = STEEL if k % 2 else body, rng.uniform(0.2, 1.2)
+        row = {"body": name, "other": "steel" if other is STEEL else "the same", "share": share}
+        times, counts = [], []
+        for bodies in ((body, other), ({"young": 70e3, "poisson": 0.33}, STEEL)):
+            scene = at_share(pair(*bodies), share)
+            times.append(seconds(lambda scene=scene: ts.solve(scene)))
+            counts.append(ts.solve(scene).cost.applications)
+        yield row | {
+            "time over isotropic": times[0] / times[1],
+            "applications over isotropic": counts[0] / counts[1],
+        }
 
 
 def dense_matrix(law, shape, dx, dy, count=20_000):
@@ -186,6 +199,8 @@ def main():
         write("anisotropy_hard", rows)
         return
     for name, compute in (("balls", balls), ("rolling", rolling), ("cost", cost)):
+        if sys.argv[1:] not in ([], [name]):
+            continue
         rows = list(compute())
         show(name, rows)
         write(f"anisotropy_{name}", rows)

@@ -101,6 +101,19 @@ def relaxing_cost() -> str:
     return format_columns(read_rows("relaxation_cost.csv"), columns)
 
 
+def anisotropic_cost() -> str:
+    """Return the median and the largest cost of anisotropic bodies over that of isotropic ones."""
+    rows, lines = read_rows("anisotropy_cost.csv"), []
+    for other in ("the same", "steel"):
+        cells = [other]
+        for name in ("time over isotropic", "applications over isotropic"):
+            values = [float(row[name]) for row in rows if row["other"] == other]
+            cells += [f"{statistics.median(values):.2f}", f"{max(values):.2f}"]
+        lines.append(cells)
+    head = ("other body", "time, median", "largest", "applications, median", "largest")
+    return format_table(head, lines)
+
+
 def solvers_steady() -> str:
     """Return the work and the time of complete steady solutions."""
     columns = {
@@ -1241,6 +1254,7 @@ TABLES = {
         relaxing_spheres,
         relaxing_polyamide,
         relaxing_cost,
+        anisotropic_cost,
         invariance_scenes,
         falling,
         heat,
