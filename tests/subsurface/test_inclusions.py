@@ -333,6 +333,18 @@ def test_the_constants_of_the_body_lift_nothing(coarse):
 
 
 @pytest.mark.slow
+def test_a_loose_tolerance_of_the_contact_does_not_stop_the_iteration_with_the_lift():
+    """A start within the tolerance would be its own solution: the lift would not act."""
+    peaks = []
+    for tolerance in (1e-9, 1e-3):
+        scene = lifting(389e3).replace(**{"solver.tolerance": tolerance})
+        (around,) = around_inclusions(ts.solve(scene))
+        peaks.append(around.above.peaks.max())
+    # The lift, by the pressure without it, has the error of the first contact.
+    assert peaks[1] == pytest.approx(peaks[0], rel=1e-4)
+
+
+@pytest.mark.slow
 def test_a_small_lift_changes_the_pressure_in_proportion(coarse):
     changes = []
     for factor in (1.0, 2.0):
@@ -373,6 +385,13 @@ def test_the_iterated_contact_is_the_direct_solution_with_the_compliance_of_the_
             assert found.approach == pytest.approx(approach, rel=1e-5)
         else:
             assert abs(solved.approach - approach) < 1e-2 * approach  # other elements touch
+
+
+def test_a_lift_needs_the_measured_gap(coarse):
+    flat = ts.Gap(x=[-1.0, 1.0], y=[-1.0, 1.0], separation=[[0.0, 0.0]] * 2)
+    scene = lifting(0.0, elements=11).replace(gap=flat, load={"normal": coarse.P})
+    with pytest.raises(ValueError, match="measured gap"):
+        around_inclusions(replace(coarse, scene=scene))
 
 
 def test_the_lift_is_stored_and_remarked(tmp_path):

@@ -141,7 +141,12 @@ def around_inclusions(
         Laws of the bodies; by default the laws of the solution.
     model : Model, optional
         Model of the contact, to solve it again for inclusions whose lift changes it; by default
-        that of its scene, which must have no [gap].
+        that of its scene.
+
+    Raises
+    ------
+    ValueError
+        If the scene has a [gap], and a contact must be solved again without a model.
 
     Examples
     --------
@@ -154,6 +159,11 @@ def around_inclusions(
     results: dict[int, InclusionStress] = {}
     for passing in _passages(contact, laws):
         if passing.lifting.any() and not passing.is_open:
+            if model is None and contact.scene.gap is not None:
+                raise ValueError(
+                    "model: lifts of an inclusion need the measured gap of the scene; "
+                    "give contact.Model(scene, measured), or take the values of ts.roll(scene)"
+                )
             solver = model or Model(contact.scene, grid=contact.grid, laws=laws)
             results |= replace(passing, above=passing.lifted(solver)).results()
         else:
@@ -355,12 +365,14 @@ class _Passing:
         """
         response, contact = _LiftResponse(self), self.contact
         places = self.x[:: self.every].tolist()
+        # Coarser contacts would not respond to the last changes of the lift.
+        tolerance = min(model.scene.solver.tolerance, 0.01 * LiftedPass.tolerance)
         contacts, lifts, iterations, residual = list[State](), list[np.ndarray](), 0, 0.0
         for place in places:  # which grow
             images, changes = list[np.ndarray](), list[np.ndarray]()
             lift = response.on_mesh(self.load_at(place, self.contact, self.group), place)
             while len(images) < most:
-                contact = equilibrium(model, self.contact.wear - lift, contact)
+                contact = equilibrium(model, self.contact.wear - lift, contact, tolerance)
                 image = response.on_mesh(self.load_at(place, contact, self.group), place)
                 images, changes = [*images, image], [*changes, image - lift]
                 largest = max(np.abs(image).max(), 1e-9 * model.units.gap)
