@@ -233,9 +233,10 @@ class StressPlane:
         rows = extent(np.any(loaded, axis=1))
         jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
         # Plane minus edge, in elements.
-        offsets = _round_to_half((position - across[rows.start]) / step + 0.5) - np.arange(
-            jumps.shape[1]
-        )
+        place = (position - across[rows.start]) / step + 0.5
+        nearest = 0.5 * round(2.0 * place)
+        # A plane within 1e-9 elements of a row of centres or of edges lies on it.
+        offsets = (nearest if abs(place - nearest) < 1e-9 else place) - np.arange(jumps.shape[1])
         distances, group = np.unique(np.abs(offsets), return_inverse=True)
         blocks = -(-64 * self._padded * distances.size // self.table_bytes)
         edges = -(-distances.size // blocks)
@@ -273,14 +274,6 @@ class StressPlane:
                 plane_product(out, transform.packs, loads, sign, nu)
         stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
         return stresses[:, self.exchanged] if self._exchanged else stresses
-
-
-def _round_to_half(place: float) -> float:
-    """Round a coordinate in elements to a multiple of 0.5 if it is within 1e-9 of it."""
-    # Distance, in elements, below which a plane lies on a row of centres or of edges.
-    coincident = 1e-9
-    nearest = 0.5 * round(2.0 * place)
-    return nearest if abs(place - nearest) < coincident else place
 
 
 class StripLayers:

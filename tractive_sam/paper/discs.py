@@ -62,7 +62,17 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
     """
     scene = flat_discs(work.size)
     history = roll_into_file(work, scene, "twin-discs-isotropic")
-    course = _giwm(scene, work.size.revolutions)
+    A, B, hertz = scene.body.A, scene.body.B, hertz_of(scene)
+    course = giwm(
+        load=required(scene.normal_load, "load.normal"),
+        e_star=scene.material.E_star,
+        radii_x=(A.radius_x, B.radius_x),
+        radius_y=A.radius_y,  # B is a cylinder
+        semi_axes=(hertz.a, hertz.b),
+        creepage=scene.creepage.longitudinal,
+        intensity=required(scene.wear, "wear").intensities[0],
+        revolutions=work.size.revolutions,
+    )
     saved = [N for N in history.field_revolutions.tolist() if N]
     depth = read_saved(history, "wear_max")[1:]
     both = depth / course.depth[saved] - 1
@@ -90,21 +100,6 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
         "fig-15-half-width",
         partial(plot.compare, {"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
         "Table 1. Half width across the rolling direction, computed and by GIWM.",
-    )
-
-
-def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
-    """Return the wear of a scene of the paper by the global incremental wear model (GIWM)."""
-    A, B, hertz = scene.body.A, scene.body.B, hertz_of(scene)
-    return giwm(
-        load=required(scene.normal_load, "load.normal"),
-        e_star=scene.material.E_star,
-        radii_x=(A.radius_x, B.radius_x),
-        radius_y=A.radius_y,  # B is a cylinder
-        semi_axes=(hertz.a, hertz.b),
-        creepage=scene.creepage.longitudinal,
-        intensity=required(scene.wear, "wear").intensities[0],
-        revolutions=revolutions,
     )
 
 
@@ -299,6 +294,7 @@ def _table(angle: float, history: History) -> FindingTable:
     depth, a, b, p, p_at, Q_x = (read_saved(history, name) for name in names)
     Q_y = read_saved(history, "Qy_over_P")
     stress, places = (read_saved(history, name) for name in ("von_mises_max", "von_mises_max_at"))
+    sizes = (history.a0, history.b0, history.a0)
     rows = [
         (
             f"{N:,}",
@@ -310,8 +306,10 @@ def _table(angle: float, history: History) -> FindingTable:
             f"{Q_x[k]:.4f}",
             f"{Q_y[k]:z.4f}",
             *(
-                _format_stress(history, value, at)
-                for value, at in zip(stress[k], places[k], strict=True)
+                f"{value:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
+                for value, (x, y, depth) in zip(
+                    stress[k] / history.p0, places[k] / sizes, strict=True
+                )
             ),
         )
         for k, N in enumerate(history.field_revolutions.tolist())
@@ -333,12 +331,6 @@ def _table(angle: float, history: History) -> FindingTable:
         ),
         rows,
     )
-
-
-def _format_stress(history: History, value: float, at: np.ndarray) -> str:
-    """Return "value/p0 at x/a, y/b, depth/a" for a maximum of stress, with Hertz's half widths."""
-    x, y, depth = at / (history.a0, history.b0, history.a0)
-    return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 
 
 def _compare_angles(histories: Histories) -> Iterator[Picture]:

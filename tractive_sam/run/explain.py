@@ -60,16 +60,6 @@ def _describe_solver(table: Solver, model: Model) -> Iterator[Row]:
     yield Row("left out", f"inertia, lubricant, plasticity; thin{conforming} bodies")
 
 
-def _describe_transient(_table: Any, model: Model) -> Iterator[Row]:
-    """Yield a row on the order of accuracy of a transient."""
-    yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
-
-
-def _describe_process(_table: Any, model: Model) -> Iterator[Row]:
-    """Yield the rows of the model's process."""
-    yield from process_of(model).describe()
-
-
 def _describe_heat(_table: Heat, model: Model) -> Iterator[Row]:
     """Yield a row with the Peclet number of each body."""
     scene, dx = model.scene, model.grid.dx
@@ -84,8 +74,10 @@ def _describe_heat(_table: Heat, model: Model) -> Iterator[Row]:
 MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
     "creepage": _describe_creepage,
     "solver": _describe_solver,
-    "transient": _describe_transient,
-    "process": _describe_process,
+    "transient": lambda _table, model: [
+        Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
+    ],
+    "process": lambda _table, model: process_of(model).describe(),
     "heat": _describe_heat,
 }
 """Rows that the model adds to the rows of a given table."""

@@ -151,16 +151,11 @@ def format_remaining_time(seconds: float) -> str:
 
 def open_bar(terminal: Console) -> Bar | None:
     """Return a new bar for the notebook or the terminal; None for other outputs."""
-    if _in_notebook():
-        return _Notebook()
-    return _Terminal(terminal) if terminal.is_terminal else None
-
-
-def _in_notebook() -> bool:
-    """Return whether the code runs in a notebook."""
     shell = sys.modules.get("IPython")
     running = None if shell is None else shell.get_ipython()
-    return getattr(running, "kernel", None) is not None
+    if getattr(running, "kernel", None) is not None:
+        return _Notebook()
+    return _Terminal(terminal) if terminal.is_terminal else None
 
 
 class _Terminal:

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, get_args
-
-from pydantic import AfterValidator
 
 from tractive_sam.mechanics import Frame
 from tractive_sam.schema import (
@@ -22,6 +19,7 @@ from tractive_sam.schema import (
     Real,
     Row,
     ValidEntries,
+    ascending,
     describe_law_names,
     entry,
     exactly_one,
@@ -61,28 +59,13 @@ _POLACH = ("A", "B")
 """Keys of Polach's law that may replace them."""
 
 
-def _check_temperatures_ascend(
-    pairs: tuple[tuple[float, float], ...],
-) -> tuple[tuple[float, float], ...]:
-    """Return (temperature, factor) pairs; raise a ValueError unless temperatures ascend."""
-    if any(late[0] <= early[0] for early, late in pairwise(pairs)):
-        raise ValueError("pairs [temperature, factor] with ascending temperatures")
-    return pairs
-
-
-def _check_positions_ascend(
-    pairs: tuple[tuple[float, float], ...],
-) -> tuple[tuple[float, float], ...]:
-    """Return (position, factor) pairs; raise a ValueError unless positions ascend."""
-    if any(late[0] <= early[0] for early, late in pairwise(pairs)):
-        raise ValueError("pairs [y, factor] with ascending y")
-    return pairs
-
-
-Factors = Annotated[tuple[tuple[Real, Positive], ...], AfterValidator(_check_temperatures_ascend)]
+Factors = Annotated[
+    tuple[tuple[Real, Positive], ...],
+    ascending("pairs [temperature, factor] with ascending temperatures"),
+]
 
 LateralFactors = Annotated[
-    tuple[tuple[Real, Positive], ...], AfterValidator(_check_positions_ascend)
+    tuple[tuple[Real, Positive], ...], ascending("pairs [y, factor] with ascending y")
 ]
 
 

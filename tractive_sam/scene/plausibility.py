@@ -102,24 +102,12 @@ def read_moduli(lower: float, upper: float) -> Callable[[Pair], Iterator[Reading
     return read
 
 
-def read_densities(pair: Pair) -> Iterator[Reading]:
-    """Yield the densities of the bodies, kg/m3."""
-    for name, body in (("A", pair.bodies.A), ("B", pair.bodies.B)):
-        yield Reading(f"body.{name}.density", body.density)
-
-
 def read_radii(pair: Pair) -> Iterator[Reading]:
     """Yield the magnitudes of radius_x and radius_y of both bodies, mm."""
     for name, body in (("A", pair.bodies.A), ("B", pair.bodies.B)):
         for key in ("radius_x", "radius_y"):
             value = getattr(body, key)
             yield Reading(f"body.{name}.{key}", abs(value), {"given": value, "mm": 1e3 * value})
-
-
-def read_hertz_pressure(pair: Pair) -> Iterator[Reading]:
-    """Yield the peak pressure according to Hertz, MPa."""
-    if pair.hertz is not None:
-        yield Reading(pair.key, pair.hertz.p0)
 
 
 def _are_metals(materials: Mapping[str, Material], softest: float = 4e4) -> bool:
@@ -137,11 +125,6 @@ def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
         elif pair.key.endswith("approach"):
             meant = "is the approach in mm, not in m?"
         yield Reading(pair.key, pair.hertz.p0, {"meant": meant})
-
-
-def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
-    """Yield the largest pressure of a solved contact, MPa, with its position."""
-    yield Reading("p_max", peak.pressure, {"place": peak.place})
 
 
 def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
@@ -170,17 +153,6 @@ def read_speed(scene: Any) -> Iterator[Reading]:
     speed = scene.creepage.speed
     if not scene.body.relaxes:
         yield Reading("creepage.speed", speed, {"mm": 1e3 * speed})
-
-
-def read_half_speed(scene: Any) -> Iterator[Reading]:
-    """Yield the sliding speed of half the decrease of friction, mm/s."""
-    half_speed = scene.friction.half_speed
-    yield Reading("friction.half_speed", half_speed, {"mm": 1e3 * half_speed})
-
-
-def read_friction(scene: Any) -> Iterator[Reading]:
-    """Yield the larger of the friction coefficients mu1 and mu2."""
-    yield Reading("friction.mu", max(scene.friction.mu))
 
 
 def read_wear_rate(scene: Any) -> Iterator[Reading]:
@@ -279,7 +251,7 @@ class Rule:
 
     name: str
     subject: str
-    read: Callable[[Any], Iterator[Reading]]
+    read: Callable[[Any], Iterable[Reading]]
     note: str
     reason: str
     needs: str = ""
@@ -330,7 +302,9 @@ RULES = (
     Rule(
         "density in g/cm3",
         "bodies",
-        read_densities,
+        lambda pair: [
+            Reading(f"body.{name}.density", getattr(pair.bodies, name).density) for name in "AB"
+        ],
         "{value:g} kg/m3 is lighter than any solid; is it in g/cm3 or t/m3? Steel has 7850 "
         "kg/m3; the worn mass is proportional to the density",
         "balsa has 100 kg/m3, and osmium 22.6 g/cm3",
@@ -339,7 +313,7 @@ RULES = (
     Rule(
         "high pressure",
         "contact",
-        read_hertz_pressure,
+        lambda pair: [] if pair.hertz is None else [Reading(pair.key, pair.hertz.p0)],
         "p0 = {value:.4g} MPa by Hertz is more than any material withstands ({above:g} MPa); check "
         "the units mm, N and MPa",
         "hardened steel has a hardness of 8000 MPa; ceramics yield at about 10000",
@@ -368,7 +342,7 @@ RULES = (
     Rule(
         "computed high pressure",
         "result",
-        read_computed_pressure,
+        lambda peak: [Reading("p_max", peak.pressure, {"place": peak.place})],
         "{value:.4g} MPa{place} is more than any material withstands ({above:g} MPa); heights of a "
         "gap in another unit, or peaks as sharp as an element, may be the reason: see p_95, and "
         "check [gap], [load] and the radii",
@@ -437,7 +411,10 @@ RULES = (
     Rule(
         "half speed in m/s",
         "scene",
-        read_half_speed,
+        lambda scene: [
+            Reading("friction.half_speed", speed, {"mm": 1e3 * speed})
+            for speed in [scene.friction.half_speed]
+        ],
         "{value:g} mm/s is slow; is it in m/s? {value:g} m/s is {mm:g} mm/s",
         "friction of rolling contacts falls at sliding speeds of 1e1 to 1e3 mm/s, in m/s 0.01 to 1",
         needs="friction.half_speed",
@@ -447,7 +424,7 @@ RULES = (
     Rule(
         "friction in per cent",
         "scene",
-        read_friction,
+        lambda scene: [Reading("friction.mu", max(scene.friction.mu))],
         "{value:g} is more than any surfaces reach; is it in per cent?",
         "rubber on a dry road, and cold welds, have up to 2",
         needs="friction",

@@ -7,7 +7,7 @@ import json
 import re
 import textwrap
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from importlib import resources
@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from tractive_sam.description import html_table, text_table
 from tractive_sam.mechanics import (
     CombinedMaterial,
     ContactPatch,
@@ -75,8 +76,8 @@ from .tables import (
     PointContact,
     Solver,
     Subsurface,
-    draw_summary,
-    format_summary,
+    draw_ellipse,
+    summarize,
     warn_if_coarse,
 )
 from .wear import Wear
@@ -120,13 +121,6 @@ def builtin_text(name: str) -> str:
     if name not in names:
         raise SceneError([Fault(Fault.SCENE, shorten(name), suggest_name(name, names))])
     return (resources.files(__package__) / "builtin" / f"{name}.toml").read_text(encoding="utf-8")
-
-
-def hash_settings(settings: Mapping[str, Any], without: Sequence[str] = ()) -> str:
-    """Return a hash of settings and of the content of their files; `without` do not count."""
-    counting = {key: value for key, value in settings.items() if key not in without}
-    text = json.dumps(_canonical(counting), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _canonical(value: Any) -> Any:
@@ -423,11 +417,11 @@ class Scene(TomlTable):
         return cls.from_toml_text(builtin_text(name))
 
     def __repr__(self) -> str:
-        return format_summary(self)
+        return text_table("Scene", summarize(self))
 
     def _repr_html_(self) -> str:
-        """Return the summary as HTML, for notebooks."""
-        return draw_summary(self)
+        """Return the summary and the contact ellipse as HTML, for notebooks."""
+        return html_table(summarize(self), draw_ellipse(self.hertz))
 
     def fingerprint(self) -> str:
         """Return a hash of all settings with defaults, except the title and [load_history].
@@ -436,7 +430,10 @@ class Scene(TomlTable):
         without a value do not count, so that a later version with further optional keys returns an
         equal hash.
         """
-        return hash_settings(self.settings(), without=("title", "load_history"))
+        settings = self.settings().items()
+        counting = {k: value for k, value in settings if k not in ("title", "load_history")}
+        text = json.dumps(_canonical(counting), sort_keys=True)
+        return hashlib.sha256(text.encode()).hexdigest()
 
     @property
     def inputs(self) -> dict[str, Input]:

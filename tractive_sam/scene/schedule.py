@@ -30,6 +30,7 @@ from tractive_sam.schema import (
     Row,
     Table,
     ValidEntries,
+    ascending,
     describe_law_names,
     entry,
     number_to_tuple,
@@ -48,20 +49,15 @@ def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
     return places
 
 
-def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
-    """Return numbers unchanged; raise a ValueError unless they ascend."""
-    if any(late <= early for early, late in pairwise(places)):
-        raise ValueError("a list of ascending numbers, each once")
-    return places
-
-
 REVOLUTION_KEYS = tuple(
     f"wear.{key}" for key in ("revolutions", "save", "stepping", "turns", "tolerance")
 )
 """Keys of [wear] that only apply to revolutions."""
 
 Knots = Annotated[tuple[NotNegative, ...], AfterValidator(_check_knots)]
-Saved = Annotated[tuple[NotNegative, ...], AfterValidator(check_ascending)]
+_ASCENDING = ascending("a list of ascending numbers, each once")
+
+Saved = Annotated[tuple[NotNegative, ...], _ASCENDING]
 Course = Annotated[tuple[Real, ...], BeforeValidator(number_to_tuple)]
 PositiveCourse = Annotated[tuple[Positive, ...], BeforeValidator(number_to_tuple)]
 
@@ -687,7 +683,7 @@ class ProcessTable(LawTable):
 
     name: NamedLaw = entry("process", describe_law_names(()))
     end: Real = entry("last value of the coordinate of the process", ge=0)
-    save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
+    save: Annotated[tuple[Real, ...], _ASCENDING] = entry(
         "values of the coordinate at which fields are stored",
         "a list of ascending numbers up to end",
         default_factory=lambda entries: tuple(sorted({0.0, entries["end"]})),

@@ -13,7 +13,6 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
-from tractive_sam.description import html_table, text_table
 from tractive_sam.mechanics import HertzContact, HertzLine
 from tractive_sam.safe_text import Html, as_html
 from tractive_sam.schema import (
@@ -73,22 +72,12 @@ def summarize(scene: Any) -> dict[str, str]:
     return summary
 
 
-def format_summary(scene: Any) -> str:
-    """Return the summary of a scene as text."""
-    return text_table("Scene", summarize(scene))
-
-
-def draw_summary(scene: Any) -> Html:
-    """Return the summary of a scene as HTML for notebooks, with the contact ellipse."""
-    return html_table(summarize(scene), _ellipse(scene.hertz))
-
-
 def format_pair(first: float, second: float) -> str:
     """Return one number if both are equal, else both in parentheses."""
     return f"{first:g}" if first == second else f"({first:g}, {second:g})"
 
 
-def _ellipse(hertz: Any, side: int = 190) -> Html:
+def draw_ellipse(hertz: Any, side: int = 190) -> Html:
     """Return a drawing (SVG) of the Hertz contact ellipse, true to scale, x upwards.
 
     Parameters

@@ -22,6 +22,7 @@ from tractive_sam.schema import (
     Row,
     Table,
     ValidEntries,
+    ascending,
     describe_law_names,
     entry,
     exactly_one,
@@ -259,13 +260,6 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("save", str(save[-1]), f"at most {last}, the number of revolutions")
 
 
-def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
-    """Return revolutions unchanged; raise a ValueError unless they ascend."""
-    if any(late <= early for early, late in pairwise(save)):
-        raise ValueError("a list of ascending integers, each once: the revolutions to store")
-    return save
-
-
 class Wear(LawTable):
     """Wear law, its coefficients, and the revolutions to roll.
 
@@ -315,7 +309,8 @@ class Wear(LawTable):
         le=10**12,
     )
     save: Annotated[
-        tuple[Annotated[Integer, Field(ge=0)], ...], AfterValidator(_check_ascending)
+        tuple[Annotated[Integer, Field(ge=0)], ...],
+        ascending("a list of ascending integers, each once: the revolutions to store"),
     ] = entry(
         "revolutions at which fields are stored",
         "ascending whole numbers from 0",

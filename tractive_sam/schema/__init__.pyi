@@ -27,6 +27,7 @@ from .keys import Positive as Positive
 from .keys import PositivePair as PositivePair
 from .keys import Radius as Radius
 from .keys import Real as Real
+from .keys import ascending as ascending
 from .keys import copy_tables as copy_tables
 from .keys import entry as entry
 from .keys import join_key as join_key

@@ -11,6 +11,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
 from keyword import iskeyword
 from operator import or_
 from pathlib import Path
@@ -66,6 +67,24 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+def ascending(allowed: str) -> AfterValidator:
+    """Return a validator: a ValueError unless numbers, or first numbers of pairs, ascend.
+
+    Parameters
+    ----------
+    allowed : str
+        The allowed values as text, for the message.
+    """
+
+    def check(values: tuple) -> tuple:
+        numbers = [value[0] if isinstance(value, tuple) else value for value in values]
+        if any(late <= early for early, late in pairwise(numbers)):
+            raise ValueError(allowed)
+        return values
+
+    return AfterValidator(check)
+
+
 def number_to_pair(value: Any) -> Any:
     """Return (x, x) for a number x, which applies to both directions; other values unchanged."""
     return (value, value) if _is_number(value) else value
@@ -76,17 +95,13 @@ def number_to_tuple(value: Any) -> Any:
     return (value,) if _is_number(value) else value
 
 
-def _read_integer(value: Any) -> Any:
-    """Return an integer for a float without fraction (1e4); other values unchanged."""
-    return int(value) if isinstance(value, float) and value.is_integer() else value
-
-
-def _read_path(value: Any) -> Any:
-    """Return text as a path; other values unchanged."""
-    return Path(value) if isinstance(value, str) else value
-
-
-Integer = Annotated[int, BeforeValidator(_read_integer)]
+Integer = Annotated[
+    int,
+    # A float without fraction, such as 1e4, is an integer.
+    BeforeValidator(
+        lambda value: int(value) if isinstance(value, float) and value.is_integer() else value
+    ),
+]
 Real = Annotated[float, AfterValidator(_check_magnitude)]
 Radius = Annotated[float, AfterValidator(_check_radius)]
 # One validator: of two in an entry of a table, pydantic 2.10.0 keeps the second one only.
@@ -96,7 +111,9 @@ PositivePair = tuple[Positive, Positive]
 PositivePerAxis = Annotated[
     tuple[Positive, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
 ]
-FilePath = Annotated[Path, BeforeValidator(_read_path)]
+FilePath = Annotated[
+    Path, BeforeValidator(lambda value: Path(value) if isinstance(value, str) else value)
+]
 """Path of a file, also given as a text."""
 
 Pair = tuple[float, float]
@@ -346,13 +363,6 @@ def _summary(table: type) -> str:
     """Return the docstring of a table class without keys and examples."""
     text = inspect.cleandoc(table.__doc__ or "")
     return text.split("\n\nKeys\n")[0].split("\n\nExamples\n")[0].replace("``", "`")
-
-
-def set_allowed_texts(table: type[BaseModel]) -> None:
-    """Set the description of each field that has none: what its type and its bounds allow."""
-    for info in table.model_fields.values():
-        if info.description is None:
-            info.description = describe_allowed(info.annotation, info.metadata)
 
 
 def docstring_with_keys(table: type[BaseModel]) -> str:

@@ -28,7 +28,7 @@ from tractive_sam.description import Row
 
 from . import toml
 from .faults import Fault, SceneError, shorten, suggest_name
-from .keys import docstring_with_keys, key_signature, set_allowed_texts, split_key, takes_number
+from .keys import describe_allowed, docstring_with_keys, key_signature, split_key, takes_number
 
 
 class InvalidEntryError(LookupError):
@@ -288,7 +288,10 @@ def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> TableRea
     for key, info in table.model_fields.items():
         if key not in reading.given:
             _read_default(reading, key, info)
-        elif (inner := inner_table(info)) and _is_table(reading.given[key], info):
+        elif (inner := inner_table(info)) and (
+            # Its field allows nothing but a table, or it is one.
+            not info.description or isinstance(reading.given[key], Mapping | TableBase)
+        ):
             _read_table(reading, key, inner)
         elif inner := array_item(info):
             _read_array(reading, key, inner, table)
@@ -394,11 +397,6 @@ def _describe_field(info: FieldInfo) -> str:
     return f"{allowed} ({info.title})" if info.title else str(allowed)
 
 
-def _is_table(value: Any, info: FieldInfo) -> bool:
-    """Return whether to read a value as a table: it is one, or its field allows nothing else."""
-    return not info.description or isinstance(value, Mapping | TableBase)
-
-
 @functools.cache
 def _adapter(table: type[TableBase], key: str) -> TypeAdapter[Any]:
     """Return pydantic's validator of the values of a key, cached."""
@@ -445,10 +443,6 @@ def _listed_names(cls: Any) -> list[str]:
     return [name for name in names if name[:2] != "__" and name not in internal]
 
 
-def _ignore_signature(cls: Any, of_library: Any) -> None:
-    """Do nothing when pydantic sets the signature of a table class."""
-
-
 def _construct(cls: Any, /, *unnamed: Any, **entries: Any) -> Any:
     """Construct a table from keywords: prepare and read them, and call its `check_complete`.
 
@@ -477,7 +471,7 @@ _TableType: Any = type(
     {
         "__call__": _construct,
         "__dir__": _listed_names,
-        "__signature__": property(key_signature, _ignore_signature),
+        "__signature__": property(key_signature, lambda cls, of_library: None),
     },
 )
 
@@ -544,8 +538,10 @@ class Table(TableBase, metaclass=_TableType):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Document the keys of a new class of tables."""
-        set_allowed_texts(cls)
+        """Document the keys of a new class of tables: by default, what types and bounds allow."""
+        for info in cls.model_fields.values():
+            if info.description is None:
+                info.description = describe_allowed(info.annotation, info.metadata)
         cls.__doc__ = docstring_with_keys(cls)
 
     def describe(self, scene: Any) -> Iterable[Row]:

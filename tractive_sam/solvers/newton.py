@@ -77,7 +77,10 @@ class Iterate:
             self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
         self.applications = 0
-        if response is None or self._was_changed_from(pressure, traction):
+        # Making the fields admissible may have changed them.
+        fields = ((self.traction, traction), (self.pressure, pressure))
+        changed = any(new is not old and (new != old).any() for new, old in fields)
+        if response is None or changed:
             response, self.applications = problem.response(self.fields(fixed)), 1
         self.response = response
         self.slip = problem.rigid + response[-2:]
@@ -127,16 +130,6 @@ class Iterate:
             size = max(float(np.linalg.norm(self.pressure)), float(even))
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
-
-    def _was_changed_from(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
-        """Return whether making the fields admissible has changed these fields."""
-        fields = ((self.traction, traction), (self.pressure, pressure))
-        return any(new is not before and (new != before).any() for new, before in fields)
-
-    def with_creepage(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
-        """Return the iterate with other creepages."""
-        fields = self.pressure, self.traction, self.approach
-        return Iterate(problem, *fields, creepage, 1.0, False, self.response)
 
     @property
     def is_admissible(self) -> bool:
@@ -455,7 +448,8 @@ class Newton:
             return at
         slip = at.slip[:, sticks].mean(axis=1)
         change = np.linalg.lstsq(problem.forces.vectors.T, -slip, rcond=None)[0]
-        return at.with_creepage(problem, at.creepage + change)
+        fields = at.pressure, at.traction, at.approach
+        return Iterate(problem, *fields, at.creepage + change, 1.0, False, at.response)
 
     def _advance(
         self,

@@ -65,7 +65,7 @@ def coefficients(
     flat = {k for k in range(count) if len(axes[k]) == 1 or k in apart}
     derivatives: dict[frozenset[int], np.ndarray] = {frozenset(): values}
     for size in range(1, count + 1):
-        for some in _subsets(count, size):
+        for some in map(frozenset, itertools.combinations(range(count), size)):
             if some & flat:
                 derivatives[some] = np.zeros_like(values)
             elif size == 1 and min(some) >= count - 3:
@@ -114,12 +114,6 @@ def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[
             continue  # zero spin
         places.append((*every[:end_axis], end, *every[end_axis + 1 :]))
     return places
-
-
-def _subsets(count: int, size: int) -> list[frozenset[int]]:
-    """Return all subsets of `size` of the first `count` axes."""
-    every = (frozenset(k for k in range(count) if d >> k & 1) for d in range(2**count))
-    return [some for some in every if len(some) == size]
 
 
 def _slope(
@@ -449,7 +443,10 @@ class TableBuilder:
         values = np.array([node.force for node in nodes]).reshape(*shape, 3)
         bars = np.array([node.bar for node in nodes]).reshape(*shape, 3)
         slopes = np.array([node.gradient for node in nodes]).reshape(*shape, 3, 3)
-        self._end_slopes(values, slopes)
+        # Slopes by u at full slip, from the last two nodes.
+        u = self.axes[-1]
+        rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
+        slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
         derivatives = coefficients(self.axes, values, slopes, self.grid.full_range, self.discrete)
         design = self.design
         return CreepTable(
@@ -462,12 +459,6 @@ class TableBuilder:
             self.grid.full_range,
             design.contact,
         )
-
-    def _end_slopes(self, values: np.ndarray, slopes: np.ndarray) -> None:
-        """Set the slopes by u at full slip, in place, from the last two nodes."""
-        u = self.axes[-1]
-        rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
-        slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
 
     def points_at_shares(self, shares: np.ndarray) -> list[Point]:
         """Return points at shares (0 to 1) of each axis; of a discrete axis at a node."""
@@ -543,7 +534,11 @@ class TableBuilder:
             probes += [(*node[:k], point[k], *node[k + 1 :]) for k in free]
         along = np.abs(self.errors_at(table, probes)).max(axis=1).reshape(len(missed), len(free))
         for point, seen in zip(missed, along, strict=True):
-            cells = [self._symmetric_cells(k, point[k]) for k in free]
+            # The interval of each axis that contains the point, and its images.
+            cells = [
+                self.grid.alike(k - self.lead, cell_of(axis, np.array([point[k]])), len(axis) - 1)
+                for k, axis in ((k, self.axes[k]) for k in free)
+            ]
             planes = [len(some) / len(self.axes[k]) for k, some in zip(free, cells, strict=True)]
             worst = int((seen / planes).argmax())
             split[free[worst]].update(cells[worst].tolist())
@@ -560,8 +555,3 @@ class TableBuilder:
         return [
             point for point, error in zip(self.check_points, errors, strict=True) if error > bound
         ]
-
-    def _symmetric_cells(self, axis: int, x: float) -> np.ndarray:
-        """Return the indices of the interval of an axis that contains x, and of its images."""
-        nodes = self.axes[axis]
-        return self.grid.alike(axis - self.lead, cell_of(nodes, np.array([x])), len(nodes) - 1)

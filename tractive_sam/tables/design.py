@@ -711,7 +711,10 @@ class TableDesign(TomlTable):
             for name, nodes in zip(self.names, self.first_nodes, strict=True)
         ]
         scenes = [self.scene_at(place) for place in product(*places)]
-        return all(map(_is_mirror_symmetric, scenes)), all(map(_reverses_with_creepages, scenes))
+        coupled = (
+            scene.body.elasticity(scene).coupled or _has_named_law(scene) for scene in scenes
+        )
+        return all(map(_is_mirror_symmetric, scenes)), not any(coupled)
 
     @property
     def closed_form(self) -> bool:
@@ -806,11 +809,6 @@ def _is_mirror_symmetric(scene: Scene) -> bool:
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
     uneven = scene.has_gap or friction.across is not None
     return aligned and not uneven and not _has_named_law(scene)
-
-
-def _reverses_with_creepages(scene: Scene) -> bool:
-    """Return whether forces reverse with creepages: no elastic coupling, no user-defined law."""
-    return not (scene.body.elasticity(scene).coupled or _has_named_law(scene))
 
 
 def _has_named_law(scene: Scene) -> bool:
