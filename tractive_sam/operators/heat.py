@@ -357,14 +357,11 @@ class HeatStep:
         self._waves = memory.waves(self._padded)
         self._spread = _symmetric(np.exp(-self._waves * time))
         self._decay = np.exp(-memory.exponentials.rates * time)
-        self.rise = memory.factor * self._carried(memory.exponentials.weights)
+        # Heat fields after conduction in the step, without new heat.
+        weights, plan = memory.exponentials.weights, transform(1, memory.shape[1:], self._padded)
+        plan.forward(np.tensordot(weights * self._decay, past, 1)[None])[0] *= self._spread
+        self.rise = memory.factor * (plan.backward()[0] / np.prod(self._padded))
         self.temperature = memory.on_mesh(self.rise)
-
-    def _carried(self, weights: np.ndarray) -> np.ndarray:
-        """Return a weighted sum of heat fields after conduction in the step, without new heat."""
-        plan = transform(1, self._memory.shape[1:], self._padded)
-        plan.forward(np.tensordot(weights * self._decay, self._past, 1)[None])[0] *= self._spread
-        return plan.backward()[0] / np.prod(self._padded)
 
     def after(self, flux: np.ndarray) -> np.ndarray:
         """Return the heat fields after the step, with the flux in the step, mW/mm², (n_x, n_y)."""

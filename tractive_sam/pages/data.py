@@ -354,7 +354,8 @@ def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
     for body, temperature in (contact.heat.temperature if contact.heat else {}).items():
         yield f"temperature_{body}", temperature
     if contact.grid.directions > 1:
-        yield "edge", _normalize(edge_level(contact.pressure))
+        level = edge_level(contact.pressure)
+        yield "edge", level / max(np.abs(level).max(), 1e-300)
         yield "stick", _stick(state)
 
 
@@ -364,11 +365,6 @@ def _stick(state: ContactView) -> np.ndarray:
     if not stick.any() or not state.slip_zone.any():
         return np.full(stick.shape, np.nan)
     return extend_outwards(stick_level(state, stick), state.contact.touching)
-
-
-def _normalize(values: np.ndarray) -> np.ndarray:
-    """Return values divided by their largest magnitude."""
-    return values / max(np.abs(values).max(), 1e-300)
 
 
 def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict[str, Any] | None:

@@ -231,12 +231,12 @@ def _pressure(
 def _slip(histories: Histories) -> Statement:
     """Return the statement that compares the largest slip of the three angles (Fig. 18)."""
     last = _last_revolution(histories)
-    largest = np.array(
-        [
-            [_largest_slip(history, N) for N in _saved_revolutions(histories)]
-            for history in histories.values()
-        ]
-    )
+    saved = _saved_revolutions(histories)
+    largest = np.zeros((len(histories), len(saved)))
+    for row, history in zip(largest, histories.values(), strict=True):
+        for k, N in enumerate(saved):
+            slip = np.hypot(history.field("slip_x", N), history.field("slip_y", N))
+            row[k] = slip[history.field("pressure", N) > 0.0].max()
     return Statement(
         "Fig. 18",
         "The slip |s|/V is greatest for β = 0°.",
@@ -246,13 +246,6 @@ def _slip(histories: Histories) -> Statement:
         f"{largest.shape[1]} stored revolutions.",
         Verdict.from_conditions(bool(np.all(largest.argmax(axis=0) == 0))),
     )
-
-
-def _largest_slip(history: History, revolution: int) -> float:
-    """Return the largest slip in the contact at a stored revolution."""
-    touching = history.field("pressure", revolution) > 0.0
-    slip = np.hypot(history.field("slip_x", revolution), history.field("slip_y", revolution))
-    return float(slip[touching].max())
 
 
 def _forces_and_stress(histories: Histories) -> Iterator[Finding]:

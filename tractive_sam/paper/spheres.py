@@ -150,9 +150,11 @@ class _SectionMaxima:
         stress = stress_on_plane(contact, plane, body)
         axes = stress.axes["x"] / a, stress.axes["depth"] / a
         maxima = {top.kind: top for top in plot.stress_maxima(stress.von_mises / p0, axes)}
-        end = _stick_end(contact, stress.position) / a
+        # The trailing end of the stick zone in the nearest row; nan if no element sticks.
+        row = contact.sticking[:, np.abs(contact.grid.y - stress.position).argmin()]
+        end = contact.grid.x[row.argmax()] - 0.5 * contact.grid.dx if row.any() else np.nan
         name = f"{PLANES[plane]}, body {body}"
-        return cls(name, maxima.get("interior"), maxima["surface"], end)
+        return cls(name, maxima.get("interior"), maxima["surface"], float(end) / a)
 
     @property
     def cells(self) -> tuple[str, ...]:
@@ -199,12 +201,6 @@ def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
         ("section", "inside", "at x", "at depth", "at the surface", "at x", "stick ends at x"),
         [section.cells for section in maxima],
     )
-
-
-def _stick_end(contact: State, y: float) -> float:
-    """Return x of the trailing end of the stick zone in the row nearest to y, mm; nan without."""
-    row = contact.sticking[:, np.abs(contact.grid.y - y).argmin()]
-    return float(contact.grid.x[row.argmax()] - 0.5 * contact.grid.dx) if row.any() else np.nan
 
 
 def orthotropic_findings(work: Work) -> Iterator[Finding]:

@@ -576,7 +576,11 @@ class ContactMap:
         A print has no more dots than `finest` elements on a side: of finer meshes some are omitted.
         """
         every = 1 + max(values.shape) // finest
-        i, j = (_range_of(np.nonzero(self.view.contact.touching)[k], every) for k in (0, 1))
+        # From one step before the contact to one step past it.
+        i, j = (
+            slice(max(int(places.min()) - every, 0), int(places.max()) + every + 1, every)
+            for places in np.nonzero(self.view.contact.touching)
+        )
         style |= {"shading": "gouraud", "rasterized": True, "zorder": 0.5}
         x, y = self.view.x_over_a[i], self.view.y_over_a[j]
         mesh = self.axes.pcolormesh(x, y, values[i, j].T, **style)
@@ -650,11 +654,6 @@ class ContactMap:
         heads: dict[str, Any] = {"headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
         x, y = view.x_over_a[i], view.y_over_a[j]
         self.axes.quiver(x, y, u, v, color=color, pivot="mid", **look, **heads)
-
-
-def _range_of(indices: np.ndarray, every: int) -> slice:
-    """Return a slice in steps of `every` from a step before the first index to past the last."""
-    return slice(max(int(indices.min()) - every, 0), int(indices.max()) + every + 1, every)
 
 
 def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:

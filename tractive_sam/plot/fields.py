@@ -584,14 +584,15 @@ def pressure_over_revolutions(history: History) -> Figure:
     return chart.figure
 
 
-def _has_slip_of_one_unit(history: History) -> bool:
-    """Return whether all stored contacts roll or all shift, so that their slips have one unit."""
-    schedule = history.scene.schedule
-    kinds = {schedule.shifts_at(place) for place in history.saved}
-    return has_contacts(history) and len(kinds) == 1
-
-
-@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=_has_slip_of_one_unit)
+@history_figure(
+    "slip-over-{coordinate}",
+    needs=[WIDE],
+    # All stored contacts roll, or all shift: their slips have one unit.
+    shown=lambda history: (
+        has_contacts(history)
+        and len({history.scene.schedule.shifts_at(place) for place in history.saved}) == 1
+    ),
+)
 def slip_over_revolutions(history: History) -> Figure:
     """Maps of the slip |s|/V (|s| in shifts) and the edge of stick, for up to six revolutions.
 

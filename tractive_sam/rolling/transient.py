@@ -557,9 +557,10 @@ class TransientProcess(Process[Moment]):
         usual = longest if not adaptive else min(longest, unit * (1 if stage.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
-            moment = self._snap_to_save(
-                self._take_step(last, control, wish, adaptive, end), saves, unit
-            )
+            moment = self._take_step(last, control, wish, adaptive, end)
+            near = [s for s in saves if abs(s - moment.distance) <= CLOSE * unit]
+            if near and moment.distance not in courses.knots:  # there but for rounding
+                moment = replace(moment, distance=near[0])
             between = self._moments_to_save(last, moment, saves) if moment.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
@@ -567,12 +568,6 @@ class TransientProcess(Process[Moment]):
             yield from between
             yield replace(moment, earlier=between[-1].result) if between else moment
             last = moment
-
-    def _snap_to_save(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:
-        """Return the moment at just the distance to save, if it is there but for rounding."""
-        near = [s for s in saves if abs(s - moment.distance) <= CLOSE * unit]
-        at_knot = moment.distance in self.courses.knots
-        return replace(moment, distance=near[0]) if near and not at_knot else moment
 
     def _moments_to_save(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
         """Return moments to save in a step, each solved from `last`; an unsolved one is last."""

@@ -335,7 +335,8 @@ class SequentialRuns:
     @numeric_settings()
     def roll(self, scene: Scene) -> History:
         """Return the history of a scene, computed in memory."""
-        if not _is_steady(scene):
+        tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum, scene.wheelset
+        if any(table is not None for table in (*tables, scene.process)):  # no single contact
             return roll(scene, progress=False)
         began = perf_counter()
         chosen = self._model_with_last_operators(scene)
@@ -352,9 +353,3 @@ class SequentialRuns:
             if scene == before.model_copy(update={"creepage": scene.creepage}):
                 return _share_operators(self._model, scene)
         return Model(scene, read_measured_gap(scene))
-
-
-def _is_steady(scene: Scene) -> bool:
-    """Return whether a scene is a single contact, with neither rolling nor refinement."""
-    tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum, scene.wheelset
-    return all(table is None for table in (*tables, scene.process))

@@ -107,7 +107,11 @@ class Nested:
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
         problems = [problem]
-        while _shorter_side(problems[-1]) > self.coarsest:
+        while True:
+            lattice = problems[-1].operators.lattice
+            sides = zip(lattice.whole, lattice.coarsening, strict=True)
+            if min(side for side, block in sides if block > 1) <= self.coarsest:
+                break
             problems.append(problems[-1].coarsened())
         solved, rough = None, max(tolerance, self.coarse_tolerance)
         for at in reversed(problems):
@@ -161,12 +165,6 @@ def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
     """Return the pressure on a coarser mesh interpolated to the mesh of a problem."""
     pressure, gap = needed(coarse.pressure, "outcome.pressure"), needed(coarse.gap, "outcome.gap")
     return refine_pressure(pressure, gap, problem.operators.lattice)
-
-
-def _shorter_side(problem: NormalProblem | Problem) -> int:
-    """Return the least number of elements along the axes that coarser meshes coarsen."""
-    lattice = problem.operators.lattice
-    return min(n for n, block in zip(lattice.whole, lattice.coarsening, strict=True) if block > 1)
 
 
 @dataclass(frozen=True)

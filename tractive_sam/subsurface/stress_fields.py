@@ -774,7 +774,10 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
 
 def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tuple[float, Point]]:
     """Return (value, position) of the largest stress below each body's surface; nan if none."""
-    depths = _search_depths(levels)
+    # Depths in geometric sequence, mm, of the layers in which the search starts.
+    first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
+    count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
+    depths = first * levels.growth ** np.arange(count)
     bound, floor = np.array(surface), float(depths[0])
     bodies, tops, values = _climb_to_maxima(levels, *_starts(levels, depths), floor, bound)
     # A search path that ends at the floor would continue to the surface, unless that is lower.
@@ -784,13 +787,6 @@ def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tu
         x, y, depth = tops[k].tolist()
         maxima[bodies[k]] = float(values[k]), (x, y, depth)
     return maxima
-
-
-def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
-    """Return depths in geometric sequence, mm, of the layers in which the search starts."""
-    first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
-    count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
-    return first * levels.growth ** np.arange(count)
 
 
 def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
