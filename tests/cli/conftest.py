@@ -8,10 +8,11 @@ from typer.testing import CliRunner
 
 from tests.store.sample_records import make_values
 from tractive_sam.cli import app
-from tractive_sam.results.column_table import FIELDS, columns
+from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.quantity import fields_table
 from tractive_sam.results.record import Record
-from tractive_sam.results.table import fields_table
+from tractive_sam.results.state import FIELDS
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 

@@ -9,9 +9,9 @@ from tractive_sam.mechanics.hertz_contact import HertzContact
 from tractive_sam.results.column_table import PACKAGE_FIELDS, columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
+from tractive_sam.results.quantity import fields_table
 from tractive_sam.results.record import Record, restart_fields
 from tractive_sam.results.state import Cost, State, Status
-from tractive_sam.results.table import fields_table
 from tractive_sam.scene import Friction, Scene
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)

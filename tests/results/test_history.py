@@ -9,8 +9,9 @@ import pytest
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
 from tractive_sam.results import caveats
-from tractive_sam.results.column_table import COLUMNS, FIELDS, PACKAGE_FIELDS, columns
+from tractive_sam.results.column_table import COLUMNS, PACKAGE_FIELDS, columns
 from tractive_sam.results.record import restart_fields
+from tractive_sam.results.state import FIELDS
 from tractive_sam.results.stress import STRESS
 from tractive_sam.schema import PlausibilityWarning
 

@@ -4,11 +4,12 @@ import h5py
 import numpy as np
 
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.results.column_table import FIELDS, columns
+from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.quantity import fields_table
 from tractive_sam.results.record import Record
+from tractive_sam.results.state import FIELDS
 from tractive_sam.results.stress import PlaneStress
-from tractive_sam.results.table import fields_table
 from tractive_sam.scene import Plane, Scene
 
 STRESSED = Scene.builtin("twin-discs")

@@ -15,7 +15,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tractive_sam.cli.program import app
-from tractive_sam.results.column_table import FIELDS
+from tractive_sam.results.state import FIELDS
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history

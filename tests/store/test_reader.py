@@ -11,7 +11,8 @@ import pytest
 import xarray as xr
 
 from tests.store.sample_records import SCENE, assert_described, make_record, mesh
-from tractive_sam.results.column_table import FIELDS, STRESSES, columns
+from tractive_sam.results.column_table import STRESSES, columns
+from tractive_sam.results.state import FIELDS
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 from tractive_sam.store import HistoryWriter, ResultsError, open_history

@@ -1,9 +1,6 @@
 """What `results` lets out, for `__init__.py` and for type checkers."""
 
-from .column_table import BEFORE as BEFORE
-from .column_table import BOUND as BOUND
 from .column_table import COLUMNS as COLUMNS
-from .column_table import FIELDS as FIELDS
 from .column_table import PACKAGE_FIELDS as PACKAGE_FIELDS
 from .column_table import PARTS as PARTS
 from .column_table import REVOLUTION as REVOLUTION
@@ -11,13 +8,17 @@ from .column_table import ROLLED as ROLLED
 from .column_table import SHARE as SHARE
 from .column_table import columns as columns
 from .column_table import storable_fields as storable_fields
-from .column_table import stress_columns as stress_columns
 from .describe import caveats as caveats
 from .describe import describe_balances as describe_balances
 from .describe import describe_history as describe_history
 from .describe import format_values as format_values
+from .describe import last_record as last_record
+from .describe import main_results as main_results
+from .describe import record_table as record_table
+from .describe import select_columns as select_columns
 from .grid import Grid as Grid
 from .grid import widen_field as widen_field
+from .heat import FlashTemperature as FlashTemperature
 from .history import DERIVED as DERIVED
 from .history import History as History
 from .history import WornProfiles as WornProfiles
@@ -27,17 +28,18 @@ from .history_data import LawRecord as LawRecord
 from .history_data import describe_laws as describe_laws
 from .history_data import dump_laws as dump_laws
 from .history_data import load_laws as load_laws
-from .overview import last_record as last_record
-from .overview import main_results as main_results
-from .overview import record_table as record_table
-from .overview import select_columns as select_columns
 from .quantity import BODIES as BODIES
 from .quantity import COORDINATE as COORDINATE
 from .quantity import DIMS as DIMS
 from .quantity import LABELS as LABELS
+from .quantity import MESH_AXES as MESH_AXES
 from .quantity import PREFIX as PREFIX
 from .quantity import PROFILES as PROFILES
 from .quantity import Quantity as Quantity
+from .quantity import Table as Table
+from .quantity import TableRows as TableRows
+from .quantity import Variable as Variable
+from .quantity import fields_table as fields_table
 from .quantity import find_by_role as find_by_role
 from .quantity import index_by_name as index_by_name
 from .record import TABLE_QUANTITIES as TABLE_QUANTITIES
@@ -46,9 +48,11 @@ from .record import column_axes as column_axes
 from .record import cycle_record as cycle_record
 from .record import restart_fields as restart_fields
 from .record import stack_values as stack_values
+from .state import BEFORE as BEFORE
+from .state import BOUND as BOUND
+from .state import FIELDS as FIELDS
 from .state import Contact as Contact
 from .state import Cost as Cost
-from .state import FlashTemperature as FlashTemperature
 from .state import NotConverged as NotConverged
 from .state import State as State
 from .state import Status as Status
@@ -61,8 +65,4 @@ from .stress import InterfaceStress as InterfaceStress
 from .stress import Maximum as Maximum
 from .stress import PlaneStress as PlaneStress
 from .stress import Point as Point
-from .table import MESH_AXES as MESH_AXES
-from .table import Table as Table
-from .table import TableRows as TableRows
-from .table import Variable as Variable
-from .table import fields_table as fields_table
+from .stress import stress_columns as stress_columns

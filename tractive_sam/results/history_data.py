@@ -10,12 +10,21 @@ from typing import Any, Self
 import numpy as np
 
 from tractive_sam.mechanics import Frame
-from tractive_sam.results.column_table import BOUND, PACKAGE_FIELDS
+from tractive_sam.results.column_table import PACKAGE_FIELDS
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
-from tractive_sam.results.state import Cost, FlashTemperature, State, Status
+from tractive_sam.results.heat import FlashTemperature
+from tractive_sam.results.quantity import (
+    BODIES,
+    COORDINATE,
+    PREFIX,
+    Quantity,
+    Rows,
+    TableRows,
+    View,
+    find_by_role,
+)
+from tractive_sam.results.state import BOUND, Cost, State, Status
 from tractive_sam.results.stress import BodyFatigue, InclusionPassage, PlaneStress
-from tractive_sam.results.table import Rows, TableRows, View
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
 

@@ -11,26 +11,23 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.column_table import (
-    BOUND,
-    FIELDS,
-    MORE_FIELDS,
-    PACKAGE_FIELDS,
-    columns,
-    storable_fields,
-)
-from tractive_sam.results.column_table import columns as columns_of
+from tractive_sam.results.column_table import PACKAGE_FIELDS, columns, storable_fields
 from tractive_sam.results.grid import Grid, widen_field
+from tractive_sam.results.heat import HEAT_FIELDS
 from tractive_sam.results.quantity import (
     BODIES,
     COORDINATE,
     LABELS,
     PREFIX,
     PROFILES,
+    CollectedTables,
     Quantity,
+    Table,
+    Variable,
+    fields_table,
     find_by_role,
 )
-from tractive_sam.results.state import State
+from tractive_sam.results.state import BOUND, FIELDS, State
 from tractive_sam.results.stress import (
     FATIGUE_FIELDS,
     STRESS,
@@ -38,7 +35,6 @@ from tractive_sam.results.stress import (
     InclusionPassage,
     PlaneStress,
 )
-from tractive_sam.results.table import CollectedTables, Table, Variable, fields_table
 from tractive_sam.scene import Scene
 
 
@@ -101,7 +97,7 @@ class Record:
         if not with_fields:
             return cls(values, names)
         fields, quantities = restart_fields(contact), storable_fields(contact.scene)
-        for name in MORE_FIELDS:
+        for name in HEAT_FIELDS:
             if name in quantities and (array := quantities[name].read(contact)) is not None:
                 fields[name] = array
         for quantity, array in (user_fields or {}).items():
@@ -226,7 +222,7 @@ def cycle_record(
     """
     weights = np.array(revolutions, float) / sum(revolutions)
     stress = [column for column in records[0].columns.values() if column.role.startswith("stress")]
-    names = columns_of(scene, [*user_columns, *stress])
+    names = columns(scene, [*user_columns, *stress])
     values = dict(process_values)
     for name, quantity in names.items():
         if name not in values:

@@ -1,120 +1,30 @@
-"""A solved contact: fields, heat, resultants, and the quality and cost of the solution."""
+"""A solved contact: fields, resultants, the quality and cost of the solution, and its columns."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from enum import StrEnum
-from functools import cached_property
-from operator import add
-from typing import Any
+from functools import cached_property, partial
+from operator import add, attrgetter
+from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.description import ShortArrays, html_table, text_table
+from tractive_sam.description import html_table, text_table
 from tractive_sam.extra_packages import xarray
 from tractive_sam.kernels.contact_edge import edge_place
 from tractive_sam.mechanics import Frame
 from tractive_sam.results.grid import Grid, widen_field
+from tractive_sam.results.heat import FlashTemperature
+from tractive_sam.results.quantity import (
+    Quantity,
+    index_by_name,
+    read_component,
+    read_number,
+    vectors,
+)
 from tractive_sam.safe_text import Html
 from tractive_sam.scene import Scene
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FlashTemperature(ShortArrays):
-    """Steady temperatures of both surfaces, and the heat flux into them.
-
-    Attributes
-    ----------
-    grid : Grid
-        The mesh.
-    touching : ndarray of bool, shape (n_x, n_y)
-        Elements in contact: both surfaces have equal temperatures there.
-    temperature : mapping of str to ndarray, shape (n_x, n_y)
-        Temperatures of the surfaces of "A" and "B", degrees C.
-    flux : mapping of str to ndarray, shape (n_x, n_y)
-        Heat flux into each surface, mW/mm²; the sum is the frictional heat, -p_t . s.
-    residual : float
-        Relative residual of the equality of both temperatures in contact.
-
-    Examples
-    --------
-    >>> hot = ts.solve(ts.Scene.builtin("hot-discs")).heat
-    >>> bool(hot.temperature_max > 100.0), round(hot.share, 3)
-    (True, 0.5)
-    """
-
-    grid: Grid
-    touching: np.ndarray
-    temperature: Mapping[str, np.ndarray]
-    flux: Mapping[str, np.ndarray]
-    residual: float = 0.0
-
-    @property
-    def temperature_A(self) -> np.ndarray:
-        """Temperature of the surface of A, degrees C."""
-        return self.temperature["A"]
-
-    @property
-    def temperature_B(self) -> np.ndarray:
-        """Temperature of the surface of B, degrees C."""
-        return self.temperature["B"]
-
-    @property
-    def into_A(self) -> np.ndarray:
-        """Heat flux into A, mW/mm²."""
-        return self.flux["A"]
-
-    @property
-    def shortfall(self) -> str:
-        """Message if the temperatures of both bodies differ in contact; empty if they are equal."""
-        if self.residual <= 1e-9:
-            return ""
-        return (
-            "not converged: heat: the shares of the bodies in the frictional heat were solved only "
-            f"to a residual of {self.residual:.1e}; check body.A.thermal and body.B.thermal, or "
-            "change grid.elements"
-        )
-
-    @cached_property
-    def _contact_temperature(self) -> np.ndarray:
-        """Temperatures of elements in contact, degrees C; -inf for the other elements."""
-        return np.where(self.touching, self.temperature["A"], -np.inf)
-
-    @property
-    def temperature_max(self) -> float:
-        """Largest temperature in the contact, degrees C; nan without contact."""
-        return float(self._contact_temperature.max()) if self.touching.any() else np.nan
-
-    @property
-    def temperature_max_at(self) -> tuple[float, float]:
-        """Place of the largest temperature, (x, y) in mm; nan without contact."""
-        if not self.touching.any():
-            return np.nan, np.nan
-        i, j = np.unravel_index(
-            np.argmax(self._contact_temperature), self._contact_temperature.shape
-        )
-        return float(self.grid.x[i]), float(self.grid.y[j])
-
-    @property
-    def temperature_mean(self) -> float:
-        """Mean temperature in the contact, degrees C; nan without contact."""
-        return (
-            float(self._contact_temperature[self.touching].mean())
-            if self.touching.any()
-            else np.nan
-        )
-
-    @property
-    def power(self) -> float:
-        """Frictional heat, W; for a line contact W/mm."""
-        total = self.flux["A"] + self.flux["B"]
-        return float(1e-3 * total.sum() * self.grid.element_area)
-
-    @property
-    def share(self) -> float:
-        """Share of body A in the frictional heat; nan without heat."""
-        into_A, total = self.flux["A"].sum(), (self.flux["A"] + self.flux["B"]).sum()
-        return float(into_A / total) if total > 0.0 else np.nan
 
 
 def html_with_figure(
@@ -181,11 +91,11 @@ class Cost:
     over_application: float = field(default=0.0, compare=False)
 
     def __add__(self, other: "Cost") -> "Cost":
-        return Cost(*map(add, vars(self).values(), vars(other).values()))
+        return Cost(*map(add, astuple(self), astuple(other)))
 
     def scaled(self, share: float) -> "Cost":
         """Return the cost multiplied by a share, for work on a coarser mesh."""
-        return Cost(*(share * part for part in vars(self).values()))
+        return Cost(*(share * part for part in astuple(self)))
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
@@ -451,10 +361,11 @@ class State:
 
         A step under a constant load changes the tractions only.
         """
-        of_pressure = ("touching", "P", "p_95", "p_max_at", "half_width_x", "half_width_y", "area")
-        if np.array_equal(self.pressure, earlier.pressure):
-            known = vars(earlier)
-            vars(self).update({name: known[name] for name in of_pressure if name in known})
+        if not np.array_equal(self.pressure, earlier.pressure):
+            return
+        for value in self._of_pressure:
+            if value.attrname in earlier.__dict__:
+                self.__dict__[value.attrname] = earlier.__dict__[value.attrname]
 
     @property
     def friction_varies(self) -> bool:
@@ -597,6 +508,9 @@ class State:
             return stuck / (stuck + slid)
         return min(1.0, self.grid.element_area * covered_elements(reserve) / self.area)
 
+    _of_pressure: ClassVar[Any] = (touching, P, p_95, p_max_at, half_width_x, half_width_y, area)
+    """Stored values that depend on the pressure alone."""
+
     @property
     def dissipation(self) -> float:
         """Frictional work per unit distance rolled, the integral of -p_t . s/V, N."""
@@ -663,6 +577,144 @@ class State:
         """Cross section worn off both bodies in this revolution, mm²."""
         return float((self.wear[0] - self.wear[-1]).sum() * self.grid.dy)
 
+
+def _over_load(force: str, contact: State) -> float:
+    """Return a force of a contact over its load; 0 without load."""
+    return getattr(contact, force) / contact.P if contact.P else 0.0
+
+
+def _deepest(contact: State) -> float:
+    """Return the largest wear depth of both bodies together, mm."""
+    return float(contact.wear.max())
+
+
+FIELDS = index_by_name(
+    (
+        Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
+        *vectors("traction", "MPa", "traction on body A"),
+        *vectors("slip", "1", "slip of A relative to B, divided by the rolling speed"),
+        Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
+        Quantity(
+            "gap",
+            "mm",
+            "separation of the deformed surfaces",
+            attrgetter("gap"),
+            outside=math.inf,
+        ),
+        Quantity(
+            "sliding",
+            "1",
+            "1 if the traction has reached the friction bound",
+            partial(read_number, "sliding"),
+        ),
+    )
+)
+"""Functions of x and y, stored at chosen revolutions; resuming needs all of them."""
+
+BOUND = Quantity(
+    "traction_bound",
+    "MPa",
+    "largest traction that friction allows, in the norm of its law",
+    attrgetter("traction_bound"),
+)
+"""Stored with `FIELDS` if it differs from the pressure, which it does not for Coulomb's law."""
+
+BEFORE = index_by_name(
+    (
+        Quantity("before_pressure", "MPa", "pressure in the previous step"),
+        Quantity("before_x", "MPa", "longitudinal traction on body A in the previous step"),
+        Quantity("before_y", "MPa", "lateral traction on body A in the previous step"),
+    )
+)
+"""Fields that resuming a transient needs in addition: stored for the last contact only."""
+
+# fmt: off
+CONTACT_COLUMNS = (
+    Quantity("P", "N", "normal load", attrgetter("P"), symbol="P", per_length=True),
+    Quantity("Qx", "N", "longitudinal force on body A", attrgetter("Qx"),
+             symbol="Q_x", per_length=True),
+    Quantity("Qy", "N", "lateral force on body A", attrgetter("Qy"),
+             symbol="Q_y", per_length=True),
+    Quantity("Fy", "N", "lateral force on A of pressure and traction, at the middle of the patch",
+             partial(read_component, "resultant", 0), symbol="F_y", needs=("conformal",),
+             per_length=True),
+    Quantity("Fz", "N", "normal force on A of pressure and traction, at the middle of the patch",
+             partial(read_component, "resultant", 1), symbol="F_z", needs=("conformal",),
+             per_length=True),
+    Quantity("Mz", "N mm", "spin moment on body A", attrgetter("Mz"),
+             symbol="M_z", per_length=True),
+    Quantity("Mx", "N mm", "moment of the pressure about x, the integral of p y",
+             attrgetter("Mx"), symbol="M_x", needs=("body.has_roller",)),
+    Quantity("My", "N mm", "rolling resistance moment, the integral of p x",
+             attrgetter("My"), symbol="M_y", needs=("body.relaxes",), per_length=True),
+    Quantity("tilt", "mrad", "angle between the axes of the rollers; their distance grows with y",
+             attrgetter("tilt"), symbol=r"\theta", needs=("body.has_roller",)),
+    Quantity("end_load", "N", "load within a twentieth of the width of the free ends",
+             attrgetter("end_load"), symbol="P_e", needs=("body.has_ends",)),
+    Quantity("Qx_over_P", "1", "longitudinal force over normal load",
+             partial(_over_load, "Qx"), symbol="Q_x/P", format=".4f"),
+    Quantity("Qy_over_P", "1", "lateral force over normal load",
+             partial(_over_load, "Qy"), symbol="Q_y/P", format=".4f"),
+    Quantity("approach", "mm", "approach; in a line contact, relative to surface points at the "
+                               "distance R_x",
+             attrgetter("approach"), symbol=r"\delta"),
+    Quantity("p_max", "MPa", "peak contact pressure", attrgetter("p_max"),
+             symbol=r"p_\mathrm{max}", over_blocks="largest"),
+    Quantity("p_95", "MPa", "pressure above which 5 % of the load is carried",
+             attrgetter("p_95"), symbol="p_{95}", over_blocks="largest"),
+    Quantity("half_width_x", "mm", "half-width of the contact in the rolling direction; its "
+                                   "edge may lie between elements",
+             attrgetter("half_width_x"), symbol="a", over_blocks="largest"),
+    Quantity("half_width_y", "mm", "half-width of the contact in the lateral direction; its "
+                                   "edge may lie between elements",
+             attrgetter("half_width_y"), symbol="b", over_blocks="largest"),
+    Quantity("area", "mm2", "contact area", attrgetter("area"), symbol="A",
+             per_length=True),
+    Quantity("wear_max", "mm", "largest wear depth, both bodies together",
+             _deepest, symbol=r"w_\mathrm{max}", over_blocks="largest"),
+    Quantity("stick_fraction", "1", "fraction of the contact area that sticks",
+             attrgetter("stick_fraction"), format=".3f"),
+    Quantity("xi_x", "1", "longitudinal creepage", attrgetter("xi_x"), symbol=r"\xi_x"),
+    Quantity("xi_y", "1", "lateral creepage", attrgetter("xi_y"), symbol=r"\xi_y"),
+    Quantity("spin", "1/mm", "spin creepage", attrgetter("spin"), symbol=r"\varphi"),
+    Quantity("residual", "1", "relative residual of the contact conditions",
+             attrgetter("residual"), format=".0e", over_blocks="largest"),
+    Quantity("dissipation", "N", "frictional work per unit rolling distance, by traction and slip",
+             attrgetter("dissipation"), per_length=True),
+    Quantity("work_supplied", "N", "work of the driving forces per unit rolling distance",
+             attrgetter("work_supplied"), per_length=True),
+    Quantity("t_gamma", "N", "T-gamma, -(Q_x xi_x + Q_y xi_y + M_z phi)", attrgetter("t_gamma"),
+             symbol=r"T\gamma", per_length=True),
+    Quantity("t_gamma_over_area", "MPa", "T-gamma over the contact area",
+             attrgetter("t_gamma_over_area"), symbol=r"T\gamma/A"),
+    Quantity("bulk_dissipation", "N", "work per unit rolling distance that a body loses inside",
+             attrgetter("bulk_dissipation"), dims=("body",), needs=("body.relaxes",),
+             per_length=True),
+    Quantity("worn_area", "mm2", "cross-section worn off both bodies in a pass",
+             attrgetter("worn_area"), per_length=True),
+    Quantity("operator_applications", "1", "applications of elastic operators",
+             attrgetter("cost.applications"), over_blocks="sum"),
+    Quantity("convolutions", "1", "convolutions, in units of one tangential application",
+             attrgetter("cost.convolutions"), over_blocks="sum"),
+    Quantity("over_application", "1", "CPU time of a solution over one tangential application",
+             attrgetter("cost.over_application"), over_blocks="sum"),
+    Quantity("converged", "1", "1 if the contact conditions hold to the tolerance",
+             partial(read_number, "converged"), format="d", over_blocks="smallest"),
+    Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
+             attrgetter("p_max_at"), ("axis",), place_of="p_max"),
+    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; for "
+                                   "shifts, the largest along x",
+             partial(read_component, "wear", 0), ("y",)),
+    Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces require",
+             attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
+    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; for a flat "
+                                   "body, only in a transient",
+             attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, needs=("wear",)),
+    Quantity("worn_mass", "mg", "mass worn off each body since it was new, from its density",
+             attrgetter("worn_mass"), ("body",), symbol="m", per_length=True, needs=("wear",)),
+)
+# fmt: on
+"""Columns that a contact provides."""
 
 Contact = State
 """Former name of `State`."""

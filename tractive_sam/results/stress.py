@@ -1,9 +1,9 @@
-"""Stress below the surface: on planes, its largest value, and the fatigue by its cycles."""
+"""Stress below the surface: on planes, its largest value, fatigue by its cycles, and columns."""
 
 import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -18,9 +18,17 @@ from tractive_sam.mechanics import (
     principal_stresses,
     von_mises,
 )
-from tractive_sam.results.quantity import Quantity, index_by_name
-from tractive_sam.results.table import MESH_AXES, Rows, Table, Variable
-from tractive_sam.scene import Plane
+from tractive_sam.results.quantity import (
+    MESH_AXES,
+    Quantity,
+    Rows,
+    Table,
+    Variable,
+    error_bar_column,
+    index_by_name,
+)
+from tractive_sam.scene import Plane, Scene
+from tractive_sam.schema import required
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Components of a stress, in the order of all arrays of stress."""
@@ -560,3 +568,187 @@ def _parabola_tops(
     place[1:-1] += np.where(near, step, 0.0)
     gain[1:-1] = 0.5 * slope * np.where(near, step, 0.0)
     return place, gain
+
+
+class StressColumns(NamedTuple):
+    """Columns of a stress criterion, by the names of `Maximum`, and the error bar of `value`."""
+
+    value: Quantity
+    interior: Quantity
+    surface: Quantity
+    at: Quantity
+    value_error: Quantity
+
+
+def stress_columns(criterion: StressCriterion) -> StressColumns:
+    """Return the columns of the largest stress by a criterion in each body."""
+    name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
+    stressed = partial(Quantity, needs=("subsurface",), bodies_of="subsurface")
+    of_body = partial(
+        stressed, unit=unit, dims=("body",), symbol=criterion.symbol, over_blocks="largest"
+    )
+    of_position = partial(stressed, unit="mm", dims=("body", "position"), place_of=f"{name}_max")
+    largest, interior, surface, position = (
+        column(f"{name}_{part}", long_name=meaning, role=f"stress_{part}")
+        for column, part, meaning in (
+            (of_body, "max", f"{text}, inside or at the surface"),
+            (of_body, "interior", f"{text} inside the body"),
+            (of_body, "surface", f"{text} at the surface"),
+            (of_position, "max_at", f"position (x, y, depth) of the {text}"),
+        )
+    )
+    error_bar = replace(error_bar_column(largest), role="stress_max_error")
+    return StressColumns(largest, interior, surface, position, error_bar)
+
+
+_on_interface = partial(Quantity, needs=("subsurface", "body.is_layered"), bodies_of="subsurface")
+
+INTERFACE_COLUMNS = tuple(
+    column
+    for name, text in (("shear", "shear stress"), ("tension", "normal stress, tension above 0"))
+    for column in (
+        _on_interface(
+            f"interface_{name}",
+            "MPa",
+            f"largest {text}, on the interfaces of layers",
+            dims=("body",),
+            over_blocks="largest",
+        ),
+        _on_interface(
+            f"interface_{name}_at",
+            "mm",
+            f"position (x, y, depth) of interface_{name}",
+            dims=("body", "position"),
+            place_of=f"interface_{name}",
+        ),
+    )
+)
+"""Columns of the stress that may detach layers (`InterfaceStress`)."""
+
+
+def _bars_of_damage(contact: Any) -> Any:
+    """Return the error bars of the damage of a contact, by body; empty if there are none."""
+    return contact.error_bars.get("damage", {})
+
+
+def _has_fatigue(body: str, scene: Scene) -> bool:
+    """Return whether [fatigue] of a scene covers a body."""
+    return body in required(scene.fatigue, "fatigue").bodies
+
+
+def _surface_fatigue_index(contact: Any) -> float:
+    """Return the surface fatigue index: the largest |p_t|/p_n - k/p_n in contact; nan without."""
+    common = required(contact.scene.fatigue, "fatigue").shear_yield_stress
+    of_bodies = [steel.at("shear_yield", 0.0) for steel in contact.scene.steel.values()]
+    k = min(float(value) for value in (common, *of_bodies) if value is not None)
+    touching = contact.touching
+    if not touching.any():
+        return math.nan
+    shear = np.hypot(*contact.traction[:, touching]) - k
+    return float((shear / contact.pressure[touching]).max())
+
+
+_of_bodies = partial(Quantity, dims=("body",), bodies_of="fatigue")
+_fatigue = partial(_of_bodies, needs=("fatigue.limit",))
+_volume = partial(_of_bodies, needs=("fatigue.volume",))
+_shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
+_layer = partial(_of_bodies, unit="1", format="g", needs=("fatigue.limit", "fatigue.is_layered"))
+_position = partial(_fatigue, dims=("body", "position"))
+
+
+def _has_lifts(scene: Scene) -> bool:
+    """Return whether the lift of an inclusion of a scene changes the contact."""
+    return any(inclusion.lifts for inclusion in scene.inclusion)
+
+
+_inclusion = partial(Quantity, dims=("body",), needs=("inclusion",), over_blocks="largest")
+_by_inclusion = partial(_inclusion, needs=("inclusion", "fatigue.limit"))
+_by_lift = partial(_inclusion, when=_has_lifts)
+_places: dict[str, Any] = {"dims": ("body", "position"), "over_blocks": "mean"}
+
+# fmt: off
+FATIGUE_COLUMNS = (
+    _shakedown("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
+               symbol=r"\lambda_-", format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
+               symbol=r"\lambda_+", format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_interior", "1", "load factor up to which elastic shakedown is certain "
+                                          "inside the body",
+               format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_surface", "1", "load factor up to which elastic shakedown is certain "
+                                         "at the surface",
+               format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_lower_at", "mm",
+               "position (x is nan, y, depth) that determines shakedown_lower",
+               dims=("body", "position"), place_of="shakedown_lower"),
+    _of_bodies("yield_factor", "1", "load factor at which the material first yields, with its "
+                                    "residual stress", symbol=r"\lambda_y", format=".3f",
+               needs=("residual", "fatigue.shear_yield_stress"), over_blocks="smallest"),
+    Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
+             _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
+             needs=("fatigue.shear_yield_stress", "friction"), over_blocks="largest"),
+    _fatigue("utilisation", "1", "largest ratio of the equivalent stress of the cycle to its limit",
+             symbol="u", format=".3f", over_blocks="largest"),
+    _fatigue("utilisation_interior", "1", "largest utilisation inside the body",
+             format=".3f", over_blocks="largest"),
+    _fatigue("utilisation_surface", "1", "largest utilisation at the surface",
+             format=".3f", over_blocks="largest"),
+    _position("utilisation_at", "mm", "position of the largest utilisation (x only in a "
+                                      "transient, y, depth)", place_of="utilisation"),
+    _layer("utilisation_layer", long_name="layer with the largest utilisation, 0 at the surface"),
+    _layer("failing_layer", long_name="layer with the shortest fatigue_life, 0 at the surface"),
+    _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
+             symbol="D", format=".3g"),
+    _position("damage_at", "mm", "position of the largest damage (x only in a transient, y, "
+                                 "depth below the unworn surface)", place_of="damage"),
+    _fatigue("damage_error", "1", "error of the damage due to the length of jumps, the order of "
+                                  "blocks and the points of stress paths; with [accuracy], also "
+                                  "due to the mesh", _bars_of_damage,
+             format=".1g", error_of="damage"),
+    _fatigue("initiation", "1", "revolution at which the damage reached 1", format=".4g"),
+    _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, until a crack "
+                                  "starts under the stress of this record, without wear",
+             format=".4g"),
+    _fatigue("wear_margin", "1", "smallest ratio across the track of the wear to the wear that "
+                                 "balances fatigue; below 1, cracks start; nan without wear",
+             format=".3g"),
+    _volume("stressed_volume", "1", "integral of the stress over the volume, in N and mm with "
+                                    "the exponents of fatigue.volume; for a flat body, over 1 "
+                                    "mm of track", format=".4g"),
+    _of_bodies("volume_life", "1", "revolutions that the complete volume survives under the "
+                                   "stress of this record, with the probability "
+                                   "fatigue.volume.survival", format=".4g",
+               needs=("fatigue.volume.constant",)),
+    _volume("volume_at_top", "1", "integrand at a depth of one element divided by its largest "
+                                  "value; near 1, the volume grows as the mesh is refined",
+            format=".2g"),
+    Quantity("balancing_wear_A", "mm", "wear of body A per revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
+    Quantity("balancing_wear_B", "mm", "wear of body B per revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
+    _inclusion("inclusion_von_mises", "MPa", "largest von Mises stress next to an inclusion"),
+    _inclusion("inclusion_von_mises_at", "mm",
+               "position (x, y, depth) of the largest von Mises stress next to an inclusion",
+               place_of="inclusion_von_mises", **_places),
+    _inclusion("inclusion_tension", "MPa", "largest tension in an inclusion"),
+    _inclusion("inclusion_lift", "mm", "largest displacement of the surface above an inclusion, in "
+                                       "either direction", format=".3g"),
+    _by_lift("inclusion_p_max", "MPa", "largest peak pressure while inclusions pass"),
+    _by_lift("inclusion_p_min", "MPa", "smallest peak pressure while inclusions pass",
+             over_blocks="smallest"),
+    _by_lift("inclusion_iterations", "1", "most contacts solved at a position of inclusions until "
+                                          "their lift and the pressure agree", format="g"),
+    _by_lift("inclusion_residual", "1", "largest change of the lift in the last iteration over the "
+                                        "largest lift", format=".0e"),
+    _by_inclusion("inclusion_utilisation", "1", "largest utilisation next to an inclusion",
+                  symbol="u", format=".3f"),
+    _by_inclusion("inclusion_utilisation_at", "mm",
+                  "position (y, depth) of the largest utilisation next to an inclusion",
+                  place_of="inclusion_utilisation", **_places),
+    Quantity("inclusion_convolutions", "1", "convolutions for the stress around inclusions and the "
+                                            "contacts above them, in units of one tangential "
+                                            "application", needs=("inclusion",),
+             over_blocks="sum"),
+)
+# fmt: on
+"""Columns of scenes with [fatigue] or [[inclusion]]."""

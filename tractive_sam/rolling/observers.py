@@ -129,11 +129,10 @@ class LargestStress(_ContactObserver):
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
         """Return the largest stresses of a block, by column and then by body."""
-        names = ("value", "interior", "surface", "at")
-        maxima = self.maxima[block].items()
+        maxima, columns = self.maxima[block].items(), self.columns
         stress: dict[str, dict[str, Any]] = {
-            column.name: {body: getattr(maximum, name) for body, maximum in maxima}
-            for column, name in zip(self.columns, names, strict=False)
+            getattr(columns, name).name: {body: getattr(maximum, name) for body, maximum in maxima}
+            for name in (("value", "interior", "surface", "at") if columns else ())
         }
         for name in ("shear", "tension"):
             tops = {b: max(m.interfaces, key=attrgetter(name)) for b, m in maxima if m.interfaces}
