@@ -47,12 +47,6 @@ def tile_edges(
     return [k * columns // count for k in range(count + 1)]
 
 
-def block_edges(rows: int, padded: tuple[int, int], cache: int = 2**18) -> list[tuple[int, int]]:
-    """Return (first, end) of blocks of rows that each fit into the processor's cache."""
-    count = -(-16 * padded[1] * rows // cache)
-    return [*pairwise(k * rows // count for k in range(count + 1))]
-
-
 def column_stride(px: int, gap: int = 4) -> int:
     """Return the distance between columns in memory: p_x plus a gap that avoids cache conflicts.
 
@@ -241,7 +235,9 @@ class Worker:
         fields, nx, half = spectra.shape
         single, self._share, self._mirror = spectra.dtype == np.complex64, share, mirror
         self._spectra = spectra.reshape(-1, half)
-        self._blocks = block_edges(fields * nx, padded)[share]
+        # First and end of blocks of rows that each fit into the cache of the processor.
+        count = -(-16 * padded[1] * fields * nx // 2**18)
+        self._blocks = [*pairwise(k * fields * nx // count for k in range(count + 1))][share]
         heights = {b - a for a, b in self._blocks}
         self._rows = {n: RowBuffer.create(n, padded[1], single) for n in heights}
         edges = tile_edges(fields, padded)

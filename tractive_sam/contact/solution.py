@@ -91,7 +91,12 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
     courses = scene.schedule.course_keys.items()
     forces += [key for name, key in courses if name.startswith("load.force")]
     if outcome.top is not None:
-        return reached + _beyond_the_top(outcome.top, forces[0], model)
+        top = outcome.top[0] * model.units.pressure * model.grid.element_area
+        return reached + (
+            f"{forces[0]} is beyond the top of the traction curve, {top:.5g} {scene.force_unit} at "
+            f"a creepage of {outcome.top[1] * model.units.slip:.3g}: friction falls with sliding, "
+            f"and no creepage gives more; lower {forces[0]}, or give the creepage"
+        )
     if forces and outcome.status is Status.DIVERGED:
         return reached + (
             "the prescribed tangential force may exceed what friction can carry together with the "
@@ -171,17 +176,6 @@ def too_steep(steepness: float, in_step: bool = False) -> str:
         'friction.start selects the solution reached from friction at rest, "rest", or at high '
         'speed, "sliding"; for a single solution increase friction.memory or friction.half_speed, '
         "or coarsen the mesh if there is a friction.layer"
-    )
-
-
-def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
-    """Return the message for a force beyond the maximum of the traction curve."""
-    force = top[0] * model.units.pressure * model.grid.element_area
-    top_force = f"{force:.5g} {model.scene.force_unit}"
-    return (
-        f"{key} is beyond the top of the traction curve, {top_force} at a creepage of "
-        f"{top[1] * model.units.slip:.3g}: friction falls with sliding, and no creepage gives "
-        f"more; lower {key}, or give the creepage"
     )
 
 

@@ -146,6 +146,11 @@ class AnisotropicMaterial(SurfaceResponse):
         return P, W[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
     @property
+    def unit_body(self) -> "AnisotropicMaterial":
+        """The material itself: its stress is computed with its stiffness."""
+        return self
+
+    @property
     def harmonics(self) -> int:
         """Number of harmonics exp(i n angle) of the response to waves."""
         return len(_harmonics(self))

@@ -20,6 +20,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from operator import attrgetter
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -95,6 +96,14 @@ class SurfaceResponse(ABC):
         """
         return np.ones_like(k)
 
+    @property
+    def unit_body(self) -> Any:
+        """Body with equal stress under equal tractions, of the modulus 1; None if not known.
+
+        The modulus is that at the surface; a body of any stiffness may stay as it is.
+        """
+        return None
+
     def worn(self, depth: float, step: float) -> "SurfaceResponse":
         """Return the body without a worn depth, mm, in steps of its layers; default: the body.
 
@@ -158,6 +167,11 @@ class Material(SurfaceResponse):
     def young(self) -> float:
         """Young's modulus E = 2 G (1 + nu), MPa."""
         return 2 * self.shear * (1 + self.poisson)
+
+    @property
+    def unit_body(self) -> "Material":
+        """Material with the shear modulus 1 and equal Poisson's ratio."""
+        return Material(1.0, self.poisson)
 
     @property
     def compliances(self) -> np.ndarray:
@@ -676,6 +690,12 @@ integrals_of = lru_cache(maxsize=32)(_ElementIntegrals)
 """The integrals of elements by their sides."""
 
 
+def _member_of_bodies(name: str) -> Any:
+    """Return a member that an interfacial layer does not change: an attribute of its bodies."""
+    text = f"`Elasticity.{name}` of the bodies; the layer does not change it."
+    return property(attrgetter(f"bodies.{name}"), doc=text)
+
+
 @dataclass(frozen=True)
 class InterfacialLayer(Elasticity):
     """Elastic bodies with an interfacial layer, whose shear is compliance times traction.
@@ -704,33 +724,20 @@ class InterfacialLayer(Elasticity):
     compliance: float
     recorded_name = "tractive_sam.mechanics.layer.Layered"
 
-    @property
-    def coupled(self) -> bool:
-        """Whether pressure moves the bodies tangentially; the layer does not change it."""
-        return self.bodies.coupled
-
-    @property
-    def coupling(self) -> str:
-        """Text for the bodies; the layer does not change it."""
-        return self.bodies.coupling
+    coupled = _member_of_bodies("coupled")
+    coupling = _member_of_bodies("coupling")
+    symmetric = _member_of_bodies("symmetric")
+    lag = _member_of_bodies("lag")
+    parts = _member_of_bodies("parts")
+    gap_per_pressure = _member_of_bodies("gap_per_pressure")
+    opening = _member_of_bodies("opening")
+    ends_on = _member_of_bodies("ends_on")
+    single_body = _member_of_bodies("single_body")
 
     @property
     def layer(self) -> float:
         """Shear compliance of the interfacial layer, mm/MPa (`Elasticity.layer`)."""
         return self.compliance
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether displacements are symmetric in the elements; the layer does not change it."""
-        return self.bodies.symmetric
-
-    def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
-        """Return the lag of the bodies; that of the layer is zero. See `Elasticity.lag`."""
-        return self.bodies.lag(component, offsets, dx, dy)
-
-    def parts(self, component: str) -> Mapping[str, tuple[int, int]]:
-        """Return the parts of a component of the bodies (`Elasticity.parts`)."""
-        return self.bodies.parts(component)
 
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
@@ -747,25 +754,9 @@ class InterfacialLayer(Elasticity):
             table[0, 0] += self.compliance
         return table
 
-    def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the unit of gap over that of pressure, mm/MPa, of the bodies without layer.
-
-        Parameters as in `Elasticity.gap_per_pressure`.
-        """
-        return self.bodies.gap_per_pressure(length, dx, dy)
-
     def slip_per_traction(self, dx: float, dy: float) -> float:
         """Return the unit of slip over that of traction, 1/MPa: bodies plus compliance/dx."""
         return self.bodies.slip_per_traction(dx, dy) + self.compliance / dx
-
-    def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """Return displacement by traction over that by pressure ahead of an edge; no layer.
-
-        There is no layer outside the contact.
-
-        Parameters as in `Elasticity.opening`.
-        """
-        return self.bodies.opening(normal, dx, dy)
 
     def periodic(
         self, component: str, period: tuple[int, int], dx: float, dy: float
@@ -786,14 +777,6 @@ class InterfacialLayer(Elasticity):
     def worn(self, depths: tuple[float, float], step: float) -> "InterfacialLayer":
         """Return the law with worn bodies (`Elasticity.worn`); the layer between them remains."""
         return InterfacialLayer(self.bodies.worn(depths, step), self.compliance)
-
-    def ends_on(self, shape: tuple[int, int], dx: float, dy: float, first: float) -> Any:
-        """Return what the ends of the bodies add, as `Elasticity.ends_on`; the layer adds none."""
-        return self.bodies.ends_on(shape, dx, dy, first)
-
-    def single_body(self, body: str) -> Elasticity:
-        """Return the elasticity of one body, "A" or "B", without layer, for the stress in it."""
-        return self.bodies.single_body(body)
 
 
 @dataclass(frozen=True)

@@ -182,6 +182,11 @@ class LayeredBody(SurfaceResponse):
         each = [*(layer.material for layer in self.layers), self.base]
         return [each[k] for k in np.searchsorted(self.interfaces, depths)]
 
+    @property
+    def unit_body(self) -> "LayeredBody":
+        """Body with the shear modulus 1 at the surface."""
+        return self.scaled(1.0 / self.layers[0].material.shear)
+
     def scaled(self, factor: float) -> "LayeredBody":
         """Return the body with moduli times a factor, and compliances of interfaces over it."""
 
@@ -381,6 +386,11 @@ class TransverseMaterial(SurfaceResponse):
         matrix[[0, 1, 2, 2], [2, 2, 0, 1]] = self.C13
         matrix[5, 5] = 0.5 * (self.C11 - self.C12)
         return tuple(map(tuple, matrix.tolist()))
+
+    @property
+    def unit_body(self) -> "TransverseMaterial":
+        """The material itself: its stress is computed with its stiffness."""
+        return self
 
     @property
     def tangential(self) -> Material:
@@ -830,18 +840,15 @@ class LinearHalfSpaces(Elasticity):
         if body not in ("A", "B"):
             raise ValueError(f'a body is "A" or "B", not {body!r}')
         material = getattr(self, body)
-        if isinstance(material, LayeredBody):
-            unit = material.layers[0].material.shear
-            rigid = Material(np.inf, 0.0)
-            return LinearHalfSpaces(material.scaled(1.0 / unit), rigid, self.datum)
-        if hasattr(material, "stiffness"):
-            return LinearHalfSpaces(material, Material(np.inf, 0.0), self.datum)
-        if not isinstance(material, Material):
+        unit = material.unit_body
+        if unit is None:
             raise ValueError(
                 f"the stress below the surface is not known in body {body}, {material!r}: remove "
                 f"{body} from subsurface.bodies and fatigue.bodies, or these tables"
             )
-        pair = Material(1.0, material.poisson), Material(np.inf, material.poisson)
+        if not unit.is_isotropic:
+            return LinearHalfSpaces(unit, Material(np.inf, 0.0), self.datum)
+        pair = unit, Material(np.inf, unit.poisson)
         return HalfSpaces(*pair) if self.datum is None else Strips(*pair, self.datum)
 
 

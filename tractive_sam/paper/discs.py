@@ -24,7 +24,7 @@ from tractive_sam.paper.page import (
     hertz_of,
     join,
 )
-from tractive_sam.reference import GlobalWear, giwm
+from tractive_sam.reference import giwm
 from tractive_sam.results import History, Record
 from tractive_sam.run import roll
 from tractive_sam.scene import Scene
@@ -89,7 +89,22 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
         Verdict.from_conditions(bool(np.all(abs(both) < good)), bool(np.all(abs(single) < good))),
         f"if within {good:.0%} at every stored N",
     )
-    yield _wear_table(history, course, saved)
+    b = read_saved(history, "half_width_y")[1:]
+    yield FindingTable(
+        "Wear depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
+        ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
+        [
+            (
+                f"{N:,}",
+                f"{1e3 * depth[k]:.4g}",
+                f"{1e3 * course.depth[N]:.4g}",
+                format_deviation(depth[k], course.depth[N]),
+                f"{b[k]:.3f}",
+                f"{course.b[N]:.3f}",
+            )
+            for k, N in enumerate(saved)
+        ],
+    )
     N = np.arange(course.depth.size)
     yield Picture(
         "fig-15",
@@ -100,27 +115,6 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
         "fig-15-half-width",
         partial(plot.compare, {"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
         "Table 1. Half width across the rolling direction, computed and by GIWM.",
-    )
-
-
-def _wear_table(history: History, course: GlobalWear, saved: list[int]) -> FindingTable:
-    """Return a table of wear depths and half widths, computed and by GIWM."""
-    depth, b = (read_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
-    rows = [
-        (
-            f"{N:,}",
-            f"{1e3 * depth[k]:.4g}",
-            f"{1e3 * course.depth[N]:.4g}",
-            format_deviation(depth[k], course.depth[N]),
-            f"{b[k]:.3f}",
-            f"{course.b[N]:.3f}",
-        )
-        for k, N in enumerate(saved)
-    ]
-    return FindingTable(
-        "Wear depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
-        ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
-        rows,
     )
 
 

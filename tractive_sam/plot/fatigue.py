@@ -1,6 +1,7 @@
 """Fatigue of the material: shakedown, utilisation, damage, and wear against fatigue."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -455,34 +456,31 @@ def _draw_damage(axes: Axes, history: History) -> None:
     axes.set(ylim=(0.0, None), ylabel="largest damage $D$")
 
 
-def _draw_utilisation(axes: Axes, history: History) -> None:
-    """Draw the utilisation of each body over the course, inside and at the surface."""
-    _draw_interior_and_surface(axes, history, "utilisation")
-    axes.set_ylabel("utilisation")
-
-
-def _draw_shakedown(axes: Axes, history: History) -> None:
-    """Draw the lower shakedown factor of each body over the course."""
-    _draw_interior_and_surface(axes, history, "shakedown")
-    axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
-    axes.set_ylabel("certain up to (load factor)")
+def _draw_interior_and_surface(
+    axes: Axes, history: History, name: str, label: str, limit: float | None = None
+) -> None:
+    """Draw a column of each body over the course: solid inside, dashed at the surface."""
+    for kind, style in (("interior", "-"), ("surface", "--")):
+        for _, body in _fatigue_bodies(history):
+            line = f"{body}, {kind}"
+            look: dict[str, Any] = {"color": LOOK.bodies[body], "linestyle": style}
+            draw_column(axes, history, f"{name}_{kind}", body, label=line, **look)
+    axes.set_ylim(bottom=0.0)
+    if limit is not None:
+        axes.axhline(limit, color=LOOK.grey, linewidth=0.8)
+    axes.set_ylabel(label)
 
 
 _COURSES: dict[str, Callable[[Axes, History], None]] = {
     "damage": _draw_damage,
-    "utilisation": _draw_utilisation,
-    "shakedown_lower": _draw_shakedown,
+    "utilisation": partial(_draw_interior_and_surface, name="utilisation", label="utilisation"),
+    "shakedown_lower": partial(
+        _draw_interior_and_surface,
+        name="shakedown",
+        label="certain up to (load factor)",
+        limit=1.0,
+    ),
 }
-
-
-def _draw_interior_and_surface(axes: Axes, history: History, name: str) -> None:
-    """Draw a column of each body over the course: solid inside, dashed at the surface."""
-    for kind, style in (("interior", "-"), ("surface", "--")):
-        for _, body in _fatigue_bodies(history):
-            label = f"{body}, {kind}"
-            look: dict[str, Any] = {"color": LOOK.bodies[body], "linestyle": style}
-            draw_column(axes, history, f"{name}_{kind}", body, label=label, **look)
-    axes.set_ylim(bottom=0.0)
 
 
 def _fatigue_bodies(history: History) -> list[tuple[int, str]]:

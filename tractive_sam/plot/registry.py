@@ -118,10 +118,12 @@ class FigureEntry:
     def _missing(self, subject: ContactView | History) -> list[str]:
         """Return what the figure needs and the history or contact lacks."""
         cure = f" (add {self.cure} to the scene)" if self.cure else ""
+        history = subject.history if isinstance(subject, ContactView) else subject
         missing = [
             f"the column {name}{cure}"
             for name in self.columns
-            if not any(_has_numbers(subject, column) for column in _find_columns(subject, name))
+            if history is None
+            or not any(np.isfinite(history[k]).any() for k in _find_columns(subject, name))
         ]
         return missing or [need.text for need in self.needs if not need.holds(subject)]
 
@@ -130,12 +132,6 @@ def _find_columns(subject: ContactView | History, name: str) -> list[str]:
     """Return the names of the columns with this name or role."""
     columns = subject.columns.values()
     return [column.name for column in columns if name in (column.name, column.role)]
-
-
-def _has_numbers(subject: ContactView | History, column: str) -> bool:
-    """Return whether a column of the history has a finite number."""
-    history = subject.history if isinstance(subject, ContactView) else subject
-    return history is not None and bool(np.isfinite(history[column]).any())
 
 
 @dataclass(frozen=True)

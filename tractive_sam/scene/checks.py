@@ -152,7 +152,8 @@ def _check_method(entries: ValidEntries) -> Iterator[Fault]:
 def _largest_mu(entries: ValidEntries) -> tuple[float, float]:
     """Return (mu1, mu2) at the lateral position with the largest friction."""
     mu1, mu2 = entries["friction.mu"]
-    factor = 1.0 if entries["friction"] is None else entries["friction"].largest_factor
+    across = None if entries["friction"] is None else entries["friction"].across
+    factor = 1.0 if across is None else max(factor for _, factor in across)
     return factor * mu1, factor * mu2
 
 

@@ -266,11 +266,6 @@ class Friction(LawTable):
         return self.share is not None and self.share[0] < 1.0
 
     @property
-    def largest_factor(self) -> float:
-        """Largest factor over the lateral positions by which the coefficients are multiplied."""
-        return 1.0 if self.across is None else max(factor for _, factor in self.across)
-
-    @property
     def share(self) -> tuple[float, float] | None:
         """(Friction at high speed over that at rest, half speed in mm/s); None if constant."""
         if self.law == "constant" or self.named_law:

@@ -98,8 +98,7 @@ def _check_constants_of_class(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_stiffness(entries: ValidEntries) -> Iterator[Fault]:
     """Report a stiffness that no stable material has, or whose response is not resolved."""
-    # Entries that are not valid raise here.
-    _ = [entries[name] for name in ("crystal", *(k for k in entries.given if k[0] == "C"))]
+    entries.require(("crystal", *(k for k in entries.given if k[0] == "C")))
     if any(_check_constants_of_class(entries)) or any(_check_orientation(entries)):
         return
     C = _complete_stiffness(entries)

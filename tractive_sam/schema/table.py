@@ -49,6 +49,12 @@ class ValidEntries(dict[str, Any]):
     def __missing__(self, key: str) -> Any:
         raise InvalidEntryError(key)
 
+    def require(self, keys: Iterable[str]) -> None:
+        """Raise an `InvalidEntryError` unless all these keys have valid values."""
+        for key in keys:
+            if key not in self:
+                raise InvalidEntryError(key)
+
     def add(self, key: str, inner: "ValidEntries") -> None:
         """Add the valid entries of the inner table `key`."""
         self.update({f"{key}.{name}": value for name, value in inner.items()})

@@ -30,7 +30,6 @@ from tractive_sam.results import (
     TABLE_QUANTITIES,
     Grid,
     History,
-    LawRecord,
     Quantity,
     Record,
     columns,
@@ -227,6 +226,10 @@ def _read_history(file: ResultsFile) -> History:
         coordinate = find_by_role(quantities.values(), COORDINATE).name
     except LookupError as error:  # the scene names a process that has not written the file
         raise file.damage_error(f"history: {error}") from None
+    try:
+        laws = load_laws(file.text("scene", "law_records", ""), file.text("scene", "laws", ""))
+    except ValueError as error:
+        raise file.damage_error(f"scene {error}") from None
     return History(
         scene,
         file.text("scene", "status"),
@@ -237,19 +240,11 @@ def _read_history(file: ResultsFile) -> History:
         _read_tables(file, scene, {**storable_fields(scene), **user_fields}, coordinate),
         file.numbers(f"fields/{coordinate}", (m,)),
         _read_versions(file),
-        _read_laws(file),
+        laws,
         file.text("scene", "started", ""),
         file.text("scene", "measured", ""),
         file.text("scene", "datum", "node"),
     )
-
-
-def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
-    """Return the laws that replaced laws of the scene."""
-    try:
-        return load_laws(file.text("scene", "law_records", ""), file.text("scene", "laws", ""))
-    except ValueError as error:
-        raise file.damage_error(f"scene {error}") from None
 
 
 def _read_tables(

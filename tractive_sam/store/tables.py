@@ -47,20 +47,19 @@ def append(file: h5py.File, records: Sequence[Record]) -> None:
         places = np.array([records[row].at for row in rows])
         tables = [records[row].tables[path] for row in rows]
         names = dict.fromkeys(name for table in tables for name in table.variables)
-        arrays = {name: _stack(file[path][name].shape[1:], name, tables) for name in names}
+        arrays: dict[str, np.ndarray] = {}
+        for name in names:  # on a mesh that may be wider; nan in tables that lack the variable
+            shape = file[path][name].shape[1:]
+            arrays[name] = np.stack(
+                [
+                    widen_field(np.asarray(v.data), shape, v.quantity.outside)
+                    if (v := table.variables.get(name)) is not None
+                    else np.full(shape, np.nan)
+                    for table in tables
+                ]
+            )
         about = {"record": np.add(rows, before), records[0].coordinate.name: places}
         _append_rows(file[path], about | arrays)
-
-
-def _stack(shape: tuple[int, ...], name: str, tables: Sequence[Table]) -> np.ndarray:
-    """Stack a variable of tables on a mesh that may be wider; nan in tables that lack it."""
-    arrays = [
-        widen_field(np.asarray(table[name]), shape, table.variables[name].quantity.outside)
-        if name in table
-        else np.full(shape, np.nan)
-        for table in tables
-    ]
-    return np.stack(arrays)
 
 
 def _append_rows(group: h5py.Group, values: Mapping[str, np.ndarray]) -> None:

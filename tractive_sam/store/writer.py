@@ -187,10 +187,15 @@ class HistoryWriter:
         traceback: TracebackType | None,
     ) -> None:
         """Record in the file what stopped the computation, if there was an exception."""
-        if error is not None:
-            # A full disk may have stopped it: the first error then states more than the next.
-            with suppress(ResultsError):
-                self.finish("stopped early", _describe_stop(error))
+        if error is None:
+            return
+        if isinstance(error, KeyboardInterrupt):
+            cause = f"interrupted by {error}" if str(error) else "interrupted"
+        else:
+            cause = f"{type(error).__name__}: {error}".removesuffix(": ")
+        # A full disk may have stopped it: the first error then states more than the next.
+        with suppress(ResultsError):
+            self.finish("stopped early", cause)
 
     def append(
         self,
@@ -316,10 +321,3 @@ def _check_kind(path: Path) -> None:
     """Raise a ResultsError unless an existing file is a results file."""
     with open_results(path):
         pass
-
-
-def _describe_stop(error: BaseException) -> str:
-    """Return "interrupted by ..." for an interrupt, and "Type: message" for other errors."""
-    if isinstance(error, KeyboardInterrupt):
-        return f"interrupted by {error}" if str(error) else "interrupted"
-    return f"{type(error).__name__}: {error}".removesuffix(": ")

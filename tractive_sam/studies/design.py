@@ -163,11 +163,6 @@ def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"zip[{k}].values", value, f"{wanted}, as many as the axis has")
 
 
-def _check_zipped_entries(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys that are zipped twice, or with themselves."""
-    yield from _find_repeated_keys("zip", [entries["key"]], entries["zip"])
-
-
 def _check_variables(entries: ValidEntries) -> Iterator[Fault]:
     """Report keys that a Latin hypercube samples twice."""
     yield from _find_repeated_keys("variable", [], entries["variable"])
@@ -200,7 +195,7 @@ class Axis(Values):
         *Values.checks,
         _check_distinct,
         _check_lengths,
-        _check_zipped_entries,
+        lambda entries: _find_repeated_keys("zip", [entries["key"]], entries["zip"]),
     )
 
     def dimension(self) -> Dimension:

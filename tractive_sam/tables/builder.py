@@ -77,7 +77,11 @@ def coefficients(
                 }
                 derivatives[some] = np.mean(list(parts.values()), axis=0)
                 _use_slopes_at_nodes(derivatives[some], parts, count - 3, full_range)
-                _use_slopes_at_rest(derivatives[some], parts, count)
+                # Those by u and axes of the table at u = 0 follow from the exact slopes there;
+                # others are zero at rest, and their differences along u are less accurate.
+                further = [part[..., 0, :] for axis, part in parts.items() if axis < count - 3]
+                if count - 1 in parts and further and not {count - 3, count - 2} & parts.keys():
+                    derivatives[some][..., 0, :] = np.mean(further, axis=0)
     places = [
         frozenset(k for k in range(count) if d >> (count - 1 - k) & 1) for d in range(2**count)
     ]
@@ -91,16 +95,6 @@ def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_ran
             for place in _smooth_nodes(values.ndim, axis, heading, full_range):
                 values[place] = parts[axis][place]
             return
-
-
-def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
-    """Set mixed derivatives by u and table axes at u = 0, in place, from the exact slopes there.
-
-    Derivatives by other axes are zero at rest: their differences along u are less accurate.
-    """
-    further = [part for axis, part in parts.items() if axis < count - 3]
-    if count - 1 in parts and further and not {count - 3, count - 2} & parts.keys():
-        values[..., 0, :] = np.mean([part[..., 0, :] for part in further], axis=0)
 
 
 def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[tuple]:

@@ -717,11 +717,6 @@ class TableDesign(TomlTable):
         return all(map(_is_mirror_symmetric, scenes)), not any(coupled)
 
     @property
-    def closed_form(self) -> bool:
-        """Whether full slip has a closed form: the design has neither a scene nor further axes."""
-        return self.scene is None and not self.axis
-
-    @property
     def files(self) -> dict[str, str]:
         """SHA-256 of the files that its scenes name, by path."""
         if self.scene is None:

@@ -361,7 +361,7 @@ class TableContacts:
 
     def _canonical_node(self, point: Point) -> _Node | None:
         """Return the contact to solve for a node; None if full slip has a closed form."""
-        if point[-1] == 1.0 and self.design.closed_form:
+        if point[-1] == 1.0 and self.design.scene is None and not self.design.axis:
             return None
         place = point[: self.lead]
         creepages, signs = self.grid.canonical(point[self.lead :])
