@@ -304,7 +304,7 @@ class Step(ABC):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Weight of each contact in the values of the step; 1 each unless overridden."""
+        """Share of each contact in the sums of the step, as of its load block in a duty cycle; 1."""
         return (1.0,) * len(self.contacts)
 
     @property
