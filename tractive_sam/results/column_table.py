@@ -2,8 +2,8 @@
 
 These define the columns of the results file, of the JSON and the tables of `tractive-sam show`, and
 the labels of figures. What a contact provides is declared beside it: `CONTACT_COLUMNS` and `FIELDS`
-in `state`, `HEAT_COLUMNS` and `HEAT_FIELDS` in `heat`, `FATIGUE_COLUMNS` in `stress`. Here are the
-columns that only a process provides.
+in `state`, `FlashTemperature.columns` and `HEAT_FIELDS` in `heat`, `InterfaceStress.columns` and
+`FATIGUE_COLUMNS` in `stress`. Here are the columns that only a process provides.
 """
 
 from collections.abc import Iterable, Mapping
@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from tractive_sam.mechanics import VON_MISES
-from tractive_sam.results.heat import HEAT_COLUMNS, HEAT_FIELDS
+from tractive_sam.results.heat import HEAT_FIELDS, FlashTemperature
 from tractive_sam.results.quantity import (
     COORDINATE,
     Quantity,
@@ -21,7 +21,7 @@ from tractive_sam.results.quantity import (
     vectors,
 )
 from tractive_sam.results.state import BOUND, CONTACT_COLUMNS, FIELDS
-from tractive_sam.results.stress import FATIGUE_COLUMNS, INTERFACE_COLUMNS, stress_columns
+from tractive_sam.results.stress import FATIGUE_COLUMNS, InterfaceStress, stress_columns
 from tractive_sam.scene import Scene
 
 PACKAGE_FIELDS = {**FIELDS, **HEAT_FIELDS, BOUND.name: BOUND}
@@ -68,23 +68,13 @@ DISTANCE = Quantity(
     role=COORDINATE,
 )
 
-PARAMETER = Quantity(
-    "distance",
-    "1",
-    "parameter of the courses; the bodies do not roll",
-    symbol="s",
-    label="parameter",
-    needs=("schedule.shifts",),
-    role=COORDINATE,
-)
-
-
 _of_step = partial(Quantity, needs=("transient",))
 
 # fmt: off
 _COORDINATES = (
     REVOLUTION,
-    PARAMETER,
+    Quantity("distance", "1", "parameter of the courses; the bodies do not roll", symbol="s",
+             label="parameter", needs=("schedule.shifts",), role=COORDINATE),
     replace(DISTANCE, needs=("transient.is_mixed",),
             long_name="rolling distance, and the parameter of stages in which the bodies shift"),
     DISTANCE,  # the last of its name, which is therefore found without a scene
@@ -148,20 +138,18 @@ _FATIGUE_WITH_ERROR_BAR = (
     "volume_life",
 )
 
-_MAXIMUM = (_STRESS.value, _STRESS.interior, _STRESS.surface, _STRESS.at)
-
-STRESSES = tuple(column.name for column in _MAXIMUM)
+STRESSES = tuple(column.name for column in _STRESS.of_maximum)
 """Columns of the largest stress in each body."""
 
-_BY_NAME = index_by_name((*CONTACT_COLUMNS, *HEAT_COLUMNS))
+_BY_NAME = index_by_name((*CONTACT_COLUMNS, *FlashTemperature.columns))
 
 COLUMNS = (
     *_COORDINATES,
     *CONTACT_COLUMNS,
     *_PROCESS_COLUMNS,
-    *HEAT_COLUMNS,
-    *_MAXIMUM,
-    *INTERFACE_COLUMNS,
+    *FlashTemperature.columns,
+    *_STRESS.of_maximum,
+    *InterfaceStress.columns,
     *FATIGUE_COLUMNS,
     *(
         replace(error_bar_column(column), when=_has_single_load)

@@ -4,13 +4,21 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from tractive_sam.description import ShortArrays
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.quantity import Quantity, index_by_name
+
+
+def read_heat(name: str, contact: Any, none: Any = math.nan) -> Any:
+    """Return an attribute of `contact.heat`, or the value `none` without heat."""
+    return none if contact.heat is None else getattr(contact.heat, name)
+
+
+_of_heat = partial(Quantity, needs=("heat",))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +50,19 @@ class FlashTemperature(ShortArrays):
     temperature: Mapping[str, np.ndarray]
     flux: Mapping[str, np.ndarray]
     residual: float = 0.0
+    columns: ClassVar[tuple[Quantity, ...]] = (
+        _of_heat("temperature_max", "degC", "largest temperature of the surfaces in contact",
+                 partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}",
+                 over_blocks="largest"),
+        _of_heat("temperature_max_at", "mm", "position (x, y) of the largest temperature",
+                 partial(read_heat, "temperature_max_at", none=(math.nan, math.nan)),
+                 ("axis",), place_of="temperature_max"),
+        _of_heat("temperature_mean", "degC", "mean temperature of the surfaces in contact",
+                 partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}"),
+        _of_heat("heat_share", "1", "fraction of the frictional heat that flows into body A",
+                 partial(read_heat, "share"), format=".4f"),
+    )  # fmt: skip
+    """Columns of scenes with [heat]."""
 
     @property
     def temperature_A(self) -> np.ndarray:
@@ -111,11 +132,6 @@ class FlashTemperature(ShortArrays):
         return float(into_A / total) if total > 0.0 else np.nan
 
 
-def read_heat(name: str, contact: Any, none: Any = math.nan) -> Any:
-    """Return an attribute of `contact.heat`, or the value `none` without heat."""
-    return none if contact.heat is None else getattr(contact.heat, name)
-
-
 _warm = partial(Quantity, needs=("heat",), outside=math.nan)
 
 HEAT_FIELDS = index_by_name(
@@ -128,19 +144,3 @@ HEAT_FIELDS = index_by_name(
     )
 )  # fmt: skip
 """Fields stored for scenes with [heat]; resuming does not need them."""
-
-_of_heat = partial(Quantity, needs=("heat",))
-
-HEAT_COLUMNS = (
-    _of_heat("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}",
-             over_blocks="largest"),
-    _of_heat("temperature_max_at", "mm", "position (x, y) of the largest temperature",
-             partial(read_heat, "temperature_max_at", none=(math.nan, math.nan)),
-             ("axis",), place_of="temperature_max"),
-    _of_heat("temperature_mean", "degC", "mean temperature of the surfaces in contact",
-             partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}"),
-    _of_heat("heat_share", "1", "fraction of the frictional heat that flows into body A",
-             partial(read_heat, "share"), format=".4f"),
-)  # fmt: skip
-"""Columns of scenes with [heat]."""

@@ -249,6 +249,9 @@ Point = tuple[float, float, float]
 """(x, y, depth), mm."""
 
 
+_on_interface = partial(Quantity, needs=("subsurface", "body.is_layered"), bodies_of="subsurface")
+
+
 @dataclass(frozen=True)
 class InterfaceStress:
     """Largest stress on an interface of a body with layers, which may detach them, in MPa.
@@ -272,6 +275,27 @@ class InterfaceStress:
     shear_at: Point
     tension: float
     tension_at: Point
+    columns: ClassVar[tuple[Quantity, ...]] = tuple(
+        column
+        for name, text in (("shear", "shear stress"), ("tension", "normal stress, tension above 0"))
+        for column in (
+            _on_interface(
+                f"interface_{name}",
+                "MPa",
+                f"largest {text}, on the interfaces of layers",
+                dims=("body",),
+                over_blocks="largest",
+            ),
+            _on_interface(
+                f"interface_{name}_at",
+                "mm",
+                f"position (x, y, depth) of interface_{name}",
+                dims=("body", "position"),
+                place_of=f"interface_{name}",
+            ),
+        )
+    )
+    """Columns of the largest values in each body."""
 
 
 @dataclass(frozen=True)
@@ -579,6 +603,11 @@ class StressColumns(NamedTuple):
     at: Quantity
     value_error: Quantity
 
+    @property
+    def of_maximum(self) -> tuple[Quantity, ...]:
+        """The columns without error bar."""
+        return self.value, self.interior, self.surface, self.at
+
 
 def stress_columns(criterion: StressCriterion) -> StressColumns:
     """Return the columns of the largest stress by a criterion in each body."""
@@ -599,31 +628,6 @@ def stress_columns(criterion: StressCriterion) -> StressColumns:
     )
     error_bar = replace(error_bar_column(largest), role="stress_max_error")
     return StressColumns(largest, interior, surface, position, error_bar)
-
-
-_on_interface = partial(Quantity, needs=("subsurface", "body.is_layered"), bodies_of="subsurface")
-
-INTERFACE_COLUMNS = tuple(
-    column
-    for name, text in (("shear", "shear stress"), ("tension", "normal stress, tension above 0"))
-    for column in (
-        _on_interface(
-            f"interface_{name}",
-            "MPa",
-            f"largest {text}, on the interfaces of layers",
-            dims=("body",),
-            over_blocks="largest",
-        ),
-        _on_interface(
-            f"interface_{name}_at",
-            "mm",
-            f"position (x, y, depth) of interface_{name}",
-            dims=("body", "position"),
-            place_of=f"interface_{name}",
-        ),
-    )
-)
-"""Columns of the stress that may detach layers (`InterfaceStress`)."""
 
 
 def _bars_of_damage(contact: Any) -> Any:

@@ -304,7 +304,10 @@ class Step(ABC):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each contact in the sums of the step, as of its load block in a duty cycle; 1."""
+        """Share of each contact in the sums of the step; 1 each unless overridden.
+
+        In a duty cycle it is the share of its load block in the revolutions.
+        """
         return (1.0,) * len(self.contacts)
 
     @property

@@ -55,9 +55,7 @@ REVOLUTION_KEYS = tuple(
 """Keys of [wear] that only apply to revolutions."""
 
 Knots = Annotated[tuple[NotNegative, ...], AfterValidator(_check_knots)]
-_ASCENDING = ascending("a list of ascending numbers, each once")
-
-Saved = Annotated[tuple[NotNegative, ...], _ASCENDING]
+Saved = Annotated[tuple[NotNegative, ...], ascending("a list of ascending numbers, each once")]
 Course = Annotated[tuple[Real, ...], BeforeValidator(number_to_tuple)]
 PositiveCourse = Annotated[tuple[Positive, ...], BeforeValidator(number_to_tuple)]
 
@@ -683,7 +681,7 @@ class ProcessTable(LawTable):
 
     name: NamedLaw = entry("process", describe_law_names(()))
     end: Real = entry("last value of the coordinate of the process", ge=0)
-    save: Annotated[tuple[Real, ...], _ASCENDING] = entry(
+    save: Annotated[tuple[Real, ...], ascending("a list of ascending numbers, each once")] = entry(
         "values of the coordinate at which fields are stored",
         "a list of ascending numbers up to end",
         default_factory=lambda entries: tuple(sorted({0.0, entries["end"]})),
