@@ -307,68 +307,12 @@ class ResultsDocument(Document["results.History"]):
         return run.explain.explain(self.content.scene)
 
 
-class FitDocument(Document["fitting.FitResult"]):
-    """The file of a fit (.nc), which may be incomplete."""
+class AnswerDocument(Document[Any]):
+    """The file of a fit or of a question to a scene (.nc), which may be incomplete."""
 
-    noun = "a fit"
-
-    def __init__(self, path: str | PathLike[str], content: fitting.FitResult):
+    def __init__(self, path: str | PathLike[str], content: Any):
         super().__init__(path, content)
         self.status, self.message = content.status, str(content.dataset.attrs["message"])
-        self.is_complete = content.status == "done"
-
-    @staticmethod
-    def read(path: str | PathLike[str]) -> Any:
-        """Open the file of a fit; ResultsError if it is none."""
-        return fitting.open_fit(path)
-
-    @property
-    def title(self) -> str:
-        """Title of the fit, or of its scene."""
-        return self.content.title
-
-    def tables(self) -> dict[str, TextTable]:
-        """Return estimates, correlation and next tests, if there are estimates, and the summary."""
-        fit, tables = self.content, {}
-        if fit.finished:
-            tables = {name: TextTable.from_dicts(rows) for name, rows in fit.tables().items()}
-        shown = (*fit.keys, "title")
-        rows = {name: text for name, text in fit.summary().items() if name not in shown}
-        return tables | {"Agreement and cost": TextTable.from_labels(rows)}
-
-    def notes(self) -> list[str]:
-        """Return what the data do not determine, and caveats."""
-        return [*self.content.undetermined, *self.content.notes]
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return estimates, intervals and cost, see `FitResult.to_dict`."""
-        return self.content.to_dict()
-
-    def drawings(self) -> Iterator[plot.Drawing]:
-        """Yield data with the model, ellipses and profile likelihood."""
-        if not self.content.finished:
-            raise ValueError(f"{self.path} holds no estimates yet; tractive-sam fit resumes it")
-        return fitting.fit_figures(self.content)
-
-    def source(self) -> str:
-        """Return the fit file."""
-        return self.content.design.to_toml()
-
-    def version(self) -> str:
-        """Return the version that computed the fit."""
-        return str(self.content.dataset.attrs.get("version", ""))
-
-    def explain(self, workers: int | None = None) -> Description:
-        """Explain the design of the fit."""
-        return fitting.explain_fit(self.content.design)
-
-
-class AnswerDocument(Document["fitting.QuestionResult"]):
-    """The file of a question to a scene (.nc), which may be incomplete."""
-
-    def __init__(self, path: str | PathLike[str], content: fitting.QuestionResult):
-        super().__init__(path, content)
-        self.status, self.message = content.status, content.message
         self.is_complete = content.status == "done"
 
     @property
@@ -404,6 +348,40 @@ class AnswerDocument(Document["fitting.QuestionResult"]):
     def version(self) -> str:
         """Return the version that computed it."""
         return str(self.content.dataset.attrs.get("version", ""))
+
+
+class FitDocument(AnswerDocument):
+    """The file of a fit (.nc), which may be incomplete."""
+
+    noun = "a fit"
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Any:
+        """Open the file of a fit; ResultsError if it is none."""
+        return fitting.open_fit(path)
+
+    def tables(self) -> dict[str, TextTable]:
+        """Return estimates, correlation and next tests, if there are estimates, and the summary."""
+        fit, tables = self.content, {}
+        if fit.finished:
+            tables = {name: TextTable.from_dicts(rows) for name, rows in fit.tables().items()}
+        shown = (*fit.keys, "title")
+        rows = {name: text for name, text in fit.summary().items() if name not in shown}
+        return tables | {"Agreement and cost": TextTable.from_labels(rows)}
+
+    def notes(self) -> list[str]:
+        """Return what the data do not determine, and caveats."""
+        return [*self.content.undetermined, *self.content.notes]
+
+    def drawings(self) -> Iterator[plot.Drawing]:
+        """Yield data with the model, ellipses and profile likelihood."""
+        if not self.content.finished:
+            raise ValueError(f"{self.path} holds no estimates yet; tractive-sam fit resumes it")
+        return fitting.fit_figures(self.content)
+
+    def explain(self, workers: int | None = None) -> Description:
+        """Explain the design of the fit."""
+        return fitting.explain_fit(self.content.design)
 
 
 class SpreadDocument(AnswerDocument):

@@ -1,7 +1,5 @@
 """What `reference` exports, for `__init__.py` and for type checkers."""
 
-from .global_wear import GlobalWear as GlobalWear
-from .global_wear import giwm as giwm
 from .hertz_stress import circle_pressure_stress as circle_pressure_stress
 from .hertz_stress import circle_shear_stress as circle_shear_stress
 from .hertz_stress import hertz_axis_stress as hertz_axis_stress
@@ -23,11 +21,13 @@ from .laws import von_mises as von_mises
 from .rolling import Carter as Carter
 from .rolling import CreepCoefficients as CreepCoefficients
 from .rolling import CreepForces as CreepForces
+from .rolling import GlobalWear as GlobalWear
 from .rolling import bentall_johnson_creepage as bentall_johnson_creepage
 from .rolling import creep_coefficients as creep_coefficients
 from .rolling import creep_parameter as creep_parameter
 from .rolling import fastsim as fastsim
 from .rolling import full_slip_with_spin as full_slip_with_spin
+from .rolling import giwm as giwm
 from .rolling import kalker_simplified as kalker_simplified
 from .rolling import linear_creep_forces as linear_creep_forces
 from .rolling import vermeulen_johnson as vermeulen_johnson
