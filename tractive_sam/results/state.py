@@ -619,14 +619,8 @@ BOUND = Quantity(
 )
 """Stored with `FIELDS` if it differs from the pressure, which it does not for Coulomb's law."""
 
-BEFORE = index_by_name(
-    (
-        Quantity("before_pressure", "MPa", "pressure in the previous step"),
-        Quantity("before_x", "MPa", "longitudinal traction on body A in the previous step"),
-        Quantity("before_y", "MPa", "lateral traction on body A in the previous step"),
-    )
-)
-"""Fields that resuming a transient needs in addition: stored for the last contact only."""
+BEFORE = ("before_pressure", "before_x", "before_y")
+"""Names of the pressure and the tractions of the step before, which resuming a transient needs."""
 
 # fmt: off
 CONTACT_COLUMNS = (

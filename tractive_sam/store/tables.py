@@ -29,8 +29,8 @@ from tractive_sam.results import (
 from tractive_sam.store import layout
 from tractive_sam.store.opening import ResultsFile, open_results
 
-DEPTHS = ("worn", "gained")
-"""Members of /state of a transient with wear, (body, x, y)."""
+ON_MESH = (*FIELDS, BOUND.name, *BEFORE, "worn", "gained")
+"""Arrays of /state whose last dimensions are the mesh; depths of a transient are (body, x, y)."""
 
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
@@ -107,9 +107,8 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     for name in (*FIELDS, BOUND.name):
         if name in group and name not in state:
             del group[name]
-    of_mesh = (*FIELDS, BOUND.name, *BEFORE, *DEPTHS)
     for name, values in state.items():
-        if name in group and name not in of_mesh and group[name].shape != values.shape:
+        if name in group and name not in ON_MESH and group[name].shape != values.shape:
             del group[name]  # for example because the mesh has grown
         if name not in group:
             layout.add_state(group, name, values)
@@ -156,7 +155,7 @@ def widen(file: h5py.File, grid: Grid) -> None:
             if not after.keys().isdisjoint(dims):
                 _widen_rows(group[name], dims, after, _outside(group.name.strip("/"), name))
     state = file["state"]
-    for name in (name for name in (*FIELDS, BOUND.name, *BEFORE, *DEPTHS) if name in state):
+    for name in [name for name in ON_MESH if name in state]:
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
         state[name][...] = widen_field(values, state[name].shape, _outside("fields", name))
