@@ -61,12 +61,19 @@ class SurfaceResponse(ABC):
 
     @property
     def images(self) -> tuple[np.ndarray, np.ndarray]:
-        """Heights d_i, mm, (m,), and amplitudes c_i, 1/MPa, (4, m), without c_0; default: none."""
+        """Heights d_i, mm, (m,), and amplitudes c_i, 1/MPa, (4, m), without c_0; default: none.
+
+        A term c_i exp(-k d_i) is the response to an image of the traction at the height d_i above
+        the surface: its waves decay with the depth.
+        """
         return np.empty(0), np.empty((4, 0))
 
     @property
     def laws(self) -> frozenset[type[Any]]:
-        """Laws that a pair with this body needs; default: none, `LinearHalfSpaces` do."""
+        """Laws of elasticity that a pair with this body needs; default: none.
+
+        `LinearHalfSpaces` serve each pair of bodies without such needs.
+        """
         return frozenset()
 
     def reach(self, speed: float) -> float:
@@ -83,6 +90,8 @@ class SurfaceResponse(ABC):
         self, k: np.ndarray | float, speed: float, step: tuple[float, float] | None = None
     ) -> np.ndarray:
         """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
+
+        The default, 1, is the factor of an elastic body, whose response does not lag.
 
         Parameters
         ----------
