@@ -18,7 +18,7 @@ from tractive_sam.store import (
     GapError,
     HistoryWriter,
     ResultsError,
-    numpy_guard,
+    gap,
     open_history,
     read_gap,
 )
@@ -171,9 +171,9 @@ def test_archive_is_measured_before_it_is_unpacked(tmp_path, monkeypatch):
     path = tmp_path / "a.npz"
     np.savez_compressed(path, y=np.zeros(10**5))
     assert path.stat().st_size < 10**4
-    monkeypatch.setattr(numpy_guard.npy, "read_array_header_1_0", None)
+    monkeypatch.setattr(gap.npy, "read_array_header_1_0", None)
     with pytest.raises(ValueError, match="MiB"):
-        numpy_guard.read_archive(path, max_bytes=8 * 10**5)  # of the numbers; the header is more
+        gap.read_archive(path, max_bytes=8 * 10**5)  # of the numbers; the header is more
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npy", ".npz", ".h5", ".txt"])
