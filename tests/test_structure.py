@@ -28,7 +28,7 @@ LIMITS = {
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
     "import lines, per cent of code lines": 8.5,
-    "functions of at most 3 statements with one use": 199,  # conditions of columns, hooks
+    "functions of at most 3 statements with one use": 198,  # conditions of columns, hooks
     "module constants": 294,  # 40 of them are published values and sources in `validation`
     "public names": 200,
 }
