@@ -89,6 +89,11 @@ class TestHistory:
             _ = history.Qx
         assert not hasattr(history, "nothing")
 
+    def test_it_has_names_of_columns_as_a_dataframe_has(self, history):
+        assert list(history) == list(history.columns)
+        assert "Qx" in history
+        assert 0 not in history
+
     def test_it_can_be_sent_to_another_process(self, history):
         again = pickle.loads(pickle.dumps(history))
         assert again.to_dict() == history.to_dict()

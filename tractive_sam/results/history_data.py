@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any, Self
@@ -140,6 +140,13 @@ class HistoryData:
         if name in self.fields:
             cure = f"; the field is history.field({name!r})"
         raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names of the columns, as those of a DataFrame."""
+        return iter(self.values)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.values
 
     @cached_property
     def fields(self) -> Mapping[str, Rows[np.ndarray]]:
