@@ -52,6 +52,18 @@ def test_falling_friction_law_returns_from_data_without_noise(spheres):
     assert np.abs(errors(found, truth)).max() < EXACT
 
 
+def test_contacts_without_a_unique_solution_are_counted_and_named(spheres):
+    law = {"law": "exponential", "static": 0.5, "kinetic": 0.3, "half_speed": 10.0}
+    scene = spheres.replace(**{"creepage.speed": 1e4, "friction": law, "solver.slip": "upwind"})
+    with pytest.warns(ts.SceneWarning, match=r"friction\.start"):
+        data = creep_data(scene, {}, noise=0.02)
+    start = starts(friction__static=0.49)
+    design = {"scene": scene, "free": ["friction.static"], "parameter": start, "data": [data]}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
+    (note,) = [note for note in found.notes if "no unique solution" in note]
+    assert "creepage.longitudinal = -0.00" in note
+
+
 @pytest.mark.slow
 def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
     truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}

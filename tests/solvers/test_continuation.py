@@ -1,6 +1,6 @@
 """The fallbacks of `auto`: Newton's method by way of easier problems, then Anderson's."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -51,14 +51,22 @@ class Counted:
         return Outcome(status, 0.0, 1, Cost(1.0))
 
 
+@dataclass(frozen=True)
+class FallingProblem:
+    """What the path from rest reads of a problem with creepages."""
+
+    most: float = np.inf
+    friction: object = field(
+        default_factory=lambda: SimpleNamespace(law=SimpleNamespace(falls=True))
+    )
+    forces: tuple = ()
+    at_speed_ratio: type = float
+
+
 @pytest.mark.parametrize("start", [None, Start()])
 def test_the_path_from_rest_costs_what_its_problems_cost(start):
-    falling = SimpleNamespace(falls=True)
-    problem = SimpleNamespace(
-        friction=SimpleNamespace(law=falling), forces=(), at_speed_ratio=float
-    )
     counted = Counted()
-    outcome = FromRest(counted, counted).solve(problem, 1e-6, start)
+    outcome = FromRest(counted, counted).solve(FallingProblem(), 1e-6, start)
     assert outcome.converged
     assert outcome.cost.applications == counted.count
 

@@ -15,7 +15,7 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import Grid, State, Status
 from tractive_sam.scene import FewestElements
-from tractive_sam.schema import warn
+from tractive_sam.schema import SeveralSolutionsWarning, warn
 from tractive_sam.solvers import (
     PRESSURE_ONLY,
     OnHalfMesh,
@@ -103,6 +103,7 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
             f"other creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     if steepness >= 1.0:
+        reached += f"none was found within {outcome.cost.applications:.0f} applications; "
         return reached + too_steep(steepness, model.scene.transient is not None)
     if not model.friction_law.falls:
         return reached + model.method.cure
@@ -296,7 +297,8 @@ def state_of(
     )
     if contact.converged and steepness >= 1.0:
         other = "" if describe_other is None else describe_other()
-        warn(too_steep(steepness, problem.kinematics.joint) + other)
+        text = too_steep(steepness, problem.kinematics.joint) + other
+        warn(text, SeveralSolutionsWarning)
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))

@@ -25,7 +25,7 @@ from tractive_sam.fitting.design import base_of, is_integer
 from tractive_sam.results import BODIES, COLUMNS, Grid, History, State, index_by_name
 from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError, SeveralSolutionsWarning
 
 RESULTS = ("Qx", "Qy", "Mz", "approach", "P", "xi_x", "xi_y", "spin")
 """Rows and columns of the Jacobian, see `State.jacobian`."""
@@ -163,7 +163,7 @@ class Answer:
     contacts, rolls, convolutions : float
         Contacts solved, rolls, and transforms.
     message : str
-        The reason, if the computation failed.
+        The reason, if the computation failed; of one with numbers, why it may have others.
     """
 
     numbers: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -241,9 +241,13 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
     contact : State or None
         The contact of a case of one contact, if it was solved.
     """
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore")  # reported when the fit begins
-        return _solve(case, start) if case.is_steady else (_roll(case), None)
+        warnings.simplefilter("always", SeveralSolutionsWarning)
+        answer, contact = _solve(case, start) if case.is_steady else (_roll(case), None)
+    if caught and answer.numbers:
+        answer = replace(answer, message=str(caught[0].message))
+    return answer, contact
 
 
 def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
@@ -431,7 +435,7 @@ class Evaluations:
     progress : callable, optional
         Called after each case that was computed, and after each iteration of the search.
     searched : list of (float, float)
-        Time, s, and chi-square of each iteration of the search, priors included.
+        Time, s, and chi-square of the data of each iteration of the search.
     share : float
         Share of the cases of the last call of `answers` that are known, 0 to 1.
     part : str

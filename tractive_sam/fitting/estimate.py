@@ -67,8 +67,8 @@ class Estimate:
 
     @property
     def chi2(self) -> float:
-        """Sum of the squares of the residuals, chi-square."""
-        return float(np.square(self.residuals).sum())
+        """Sum of the squares of the residuals, chi-square, without priors."""
+        return self.problem.chi2(self.predicted)
 
     def cost(self, deviation: np.ndarray | None = None) -> float:
         """Return half the sum of losses, priors included, for stated standard deviations."""
@@ -446,7 +446,7 @@ class Search:
             return
         problem = self.problem
         key, cure = "fit.parameter", "other starts, or a scene that can be computed there"
-        reason = (problem.refusals or problem.failures or ["no result"])[-1]
+        reason = [*(problem.refusals or problem.failures.values() or ["no result"])][-1]
         value = f"first values at which the scene cannot be computed ({reason})"
         if np.isfinite(largest):
             key, cure = "fit.data.noise", "values and noise in the units of the columns"
@@ -556,7 +556,7 @@ class _Residuals:
             self._tried = False
             self._local = part, self.loss.roots(residuals, points)[:, None] * rows, limit
             if self.varies.all():
-                self.problem.evaluations.add_iteration(float(np.square(residuals).sum()))
+                self.problem.evaluations.add_iteration(self.problem.chi2(predicted))
         return rows
 
     def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
@@ -708,9 +708,10 @@ class ProfileLikelihood:
             Smallest and largest value that agree with the data; both nan if any value does.
         """
         parameters, failures = self.best.problem.parameters, self.best.problem.failures
-        count = len(failures)
+        before = dict(failures)
         low, high = (self._bound(sign) for sign in (-1.0, 1.0))
-        del failures[count:]  # the estimate does not depend on values far from it
+        failures.clear()  # the estimate does not depend on values far from it
+        failures.update(before)
         if math.isnan(low) and math.isnan(high):
             return low, high
         limits = parameters.limits(parameters.values(self.best.u))

@@ -34,6 +34,7 @@ from tractive_sam.fitting.design import (
     Parameters,
     changes_of,
     column_of,
+    value_of,
 )
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene, scene_notes
@@ -279,6 +280,11 @@ class Series:
             cases.append(FitCase(scene, self.columns, places, wanted, (number, k)))
         return cases
 
+    def label_of(self, group: int) -> str:
+        """Return the name of the data set with the settings of a group of rows."""
+        settings = self.measured.settings[self.groups[group][0][0]]
+        return ", ".join([self.name, *(f"{key} = {value:.4g}" for key, value in settings.items())])
+
     def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
         """Return predicted values of the rows from replies, or their derivative ("/parameter").
 
@@ -458,6 +464,11 @@ class FitProblem:
         misfit = self.noise.residuals(predicted, self.observed, deviation)
         return np.concatenate([misfit / scatter, self.prior_residuals(u)])
 
+    def chi2(self, predicted: np.ndarray) -> float:
+        """Return chi-square of the data at predictions, for the stated noise at these."""
+        misfit = self.noise.residuals(predicted, self.observed, self.deviation(predicted))
+        return float(np.square(misfit).sum())
+
     def residual_slopes(
         self,
         u: np.ndarray,
@@ -526,6 +537,12 @@ class FitProblem:
         u = np.asarray(u, float)
         moved = {key: (k, self._moved(u, k)) for k, key in enumerate(self.parameters.keys)}
         replies = self._replies({"": u} | {key: at for key, (_, at) in moved.items()})
+        failed = {name[1] for name, reply in (replies or {}).items() if reply.failed} - {""}
+        if replies and failed:  # a step to the other side may be solved
+            moved |= {key: (k, self._moved(u, k, -1.0)) for key, (k, _) in moved.items()
+                      if key in failed}  # fmt: skip
+            opposite = self._replies({"": u} | {key: moved[key][1] for key in failed})
+            replies = None if opposite is None else {**replies, **opposite}
         if replies is None:
             raise FitError(
                 [Fault("fit.step", "a step to values that the scene forbids", "a smaller step")]
@@ -549,7 +566,7 @@ class FitProblem:
             rows.append(block)
         jacobian = np.concatenate(rows)
         if not np.isfinite(jacobian).all():
-            value = f"a step at which the computation failed ({self.failures[-1]})"
+            value = f"a step at which the computation failed ({[*self.failures.values()][-1]})"
             raise FitError([Fault("fit.step", value, "another step, or other starts")])
         return jacobian
 
@@ -578,14 +595,17 @@ class FitProblem:
             return np.full(self.observed.size, math.nan)
         return self._collect(self._replies_of(cases), "", u)
 
-    def _moved(self, u: np.ndarray, k: int) -> np.ndarray:
-        """Return coordinates with the k-th one changed by a difference step within its bounds."""
+    def _moved(self, u: np.ndarray, k: int, side: float = 1.0) -> np.ndarray:
+        """Return coordinates with the k-th one changed by a difference step within its bounds.
+
+        The step is up unless it leaves the bounds; with `side` -1, it is the other way.
+        """
         step = self.step or self._default_step
         if self.parameters.integer[k]:
             step = max(step, 1.0 / self.parameters.values(u)[k])
         at = u.copy()
         beyond = u[k] + step > self.parameters.bounds[1][k]
-        at[k] += -step if beyond else step
+        at[k] += -side * step if beyond else side * step
         if self.parameters.integer[k]:  # the integer used at these coordinates
             values = self.parameters.values(at)
             values[k] = round(values[k])
@@ -634,9 +654,24 @@ class FitProblem:
         """Return the replies of cases by name; cases of the same scene are computed once."""
         together = merge_cases(cases.values())
         answers = self.evaluations.answers(together)
-        self.failures.extend(answer.message for answer in answers.values() if answer.message)
         names = {name: case.scene.fingerprint() for name, case in cases.items()}
-        return {name: Reply(together[key], answers[key]) for name, key in names.items()}
+        replies = {name: Reply(together[key], answers[key]) for name, key in names.items()}
+        for (n, _, k), reply in replies.items():
+            if reply.failed:
+                values = [f"{key} = {value_of(reply.case.scene, key):.4g}"
+                          for key in self.parameters.keys]  # fmt: skip
+                where = ", ".join([self.series[n].label_of(k), *values])
+                self.failures[reply.case.digest] = f"{where}: {reply.answer.message}"
+        return replies
+
+    def find_several_solutions(self, u: np.ndarray) -> tuple[int, list[str]]:
+        """Return how many computations may have other solutions, and the rows at u that may."""
+        rows = []
+        for (n, _, k), reply in (self._replies({"": u}) or {}).items():
+            if reply.answer.message and not reply.failed:
+                rows.append(self.series[n].label_of(k))
+        answers = self.evaluations.stored.values()
+        return sum(bool(answer.message and answer.numbers) for answer in answers), rows
 
     @cached_property
     def refusals(self) -> list[str]:
@@ -644,9 +679,9 @@ class FitProblem:
         return []
 
     @cached_property
-    def failures(self) -> list[str]:
-        """Messages of the computations that failed so far."""
-        return []
+    def failures(self) -> dict[str, str]:
+        """Places and messages of the computations that failed so far, by their digest."""
+        return {}
 
     def _collect(self, replies: Mapping[tuple, Reply], point: str, u: np.ndarray) -> np.ndarray:
         """Return the predictions of all data sets at a point from its replies, shape (points,)."""

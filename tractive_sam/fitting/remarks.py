@@ -1,13 +1,15 @@
 """What a fit leaves open, in words: undetermined parameters, and wide intervals."""
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from tractive_sam.fitting.design import Fit, base_of
+from tractive_sam.fitting.design import Fit, base_of, changes_of
 from tractive_sam.fitting.estimate import Estimate
 from tractive_sam.fitting.results import Intervals
+from tractive_sam.scene import scene_notes
 
 
 def describe_undetermined(best: Estimate, intervals: Intervals) -> list[str]:
@@ -182,6 +184,39 @@ def list_notes(best: Estimate, table: Fit, intervals: Intervals) -> list[str]:
         notes.append(text + (", and the scatter nothing about the noise" * table.scatter))
     notes += _describe_bounds(best, intervals, table.level)
     notes += _describe_spans(best, intervals, table.level)
-    if messages := best.problem.failures:
-        notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")
+    if failures := [*best.problem.failures.values()]:
+        text = f"{len(failures)} computations failed during the fit, which turned back"
+        notes.append(f"{text}; the last one: {failures[-1]}")
+    notes += _describe_several_solutions(best)
+    notes += _describe_implausible(best, table)
     return notes
+
+
+def _describe_several_solutions(best: Estimate) -> Iterator[str]:
+    """Yield a note if contacts of the fit may have other solutions than those that it used."""
+    count, rows = best.problem.find_several_solutions(best.u)
+    if not count:
+        return
+    total = len(best.problem.evaluations.stored)
+    text = f"{count} of {total} computations have no unique solution"
+    text += f", at the estimate {len(rows)}" + (f", as {rows[0]}" if rows else "")
+    text += ": friction falls too fast with sliding; the fit follows friction.start"
+    yield text + (", and its intervals hold for these solutions" if rows else "")
+
+
+def _describe_implausible(best: Estimate, table: Fit) -> Iterator[str]:
+    """Yield notes on fitted values that are improbable, or far from those of the scene."""
+    parameters = best.problem.parameters
+    values = parameters.values_by_key(best.u)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        fitted = table.scene.replace(**changes_of(table.scene, values))
+    known = {*scene_notes(table.scene)}
+    notes = [note for note in scene_notes(fitted) if note not in known]
+    yield from (f"the fitted scene: {note}" for note in notes)
+    for key, start in zip(parameters.keys, parameters.start.tolist(), strict=True):
+        wears = base_of(key).startswith(("wear.coefficient", "wear.intensity"))
+        factor = values[key] / start if wears and start > 0.0 else 1.0
+        if not 0.01 < factor < 100.0 and not any(note.startswith("wear") for note in notes):
+            text = f"{key} = {values[key]:.3g} is {factor:.2g} times its first value, {start:.3g}"
+            yield f"{text}: check the unit of the data (worn_mass is in mg, depths are in mm)"

@@ -5,6 +5,7 @@ from .faults import Fault as Fault
 from .faults import PlausibilityWarning as PlausibilityWarning
 from .faults import SceneError as SceneError
 from .faults import SceneWarning as SceneWarning
+from .faults import SeveralSolutionsWarning as SeveralSolutionsWarning
 from .faults import required as required
 from .faults import shorten as shorten
 from .faults import suggest_name as suggest_name

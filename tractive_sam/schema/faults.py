@@ -101,6 +101,10 @@ class PlausibilityWarning(SceneWarning):
     """Warning of a value that is probably in another unit, or missing."""
 
 
+class SeveralSolutionsWarning(SceneWarning):
+    """Warning of a solved contact that may have other solutions, as friction falls too fast."""
+
+
 def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
     """Issue a warning that points to the line outside of the package from which it was called."""
     # Modules of this package, and modules that wrap its functions.

@@ -109,10 +109,13 @@ class UniqueSolution:
         Solves a problem from a start.
     path : ProblemSolver
         Solves it without a start, if `nearby` fails or finds one of several solutions.
+    attempt : float
+        Applications after which `nearby` gives up.
     """
 
     nearby: ProblemSolver
     path: ProblemSolver
+    attempt: float = 400.0
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -120,7 +123,7 @@ class UniqueSolution:
         """Solve from a start; if several solutions may exist, solve again without it."""
         if start is None or not problem.kinematics.joint:
             return self.path.solve(problem, tolerance, start)
-        outcome = self.nearby.solve(problem, tolerance, start)
+        outcome = self.nearby.solve(replace(problem, most=self.attempt), tolerance, start)
         if not outcome.converged:
             return self.path.solve(problem, tolerance).costing(outcome)
         solution = outcome
@@ -241,7 +244,9 @@ class Continuation:
             return self.solver.solve(self.easier(problem, ahead), last, before)
 
         outcome = self.solver.solve(self.easier(problem, 0.0), rough, start)
-        return follow_path(outcome, solve, "creepage", self.first, self.shortest)
+        # Most problems of the path take a fraction of the bound of one problem.
+        most = 5.0 * problem.most
+        return follow_path(outcome, solve, "creepage", self.first, self.shortest, most)
 
     def easier(self, problem: Problem, done: float) -> Problem:
         """Return the problem with its rigid slip times full^(1 - done): `full` at 0, 1 at 1."""
@@ -254,6 +259,7 @@ def follow_path(
     along: str,
     first: float,
     shortest: float,
+    most: float = np.inf,
 ) -> Outcome:
     """Solve problems along a path from 0 to 1 in adaptive steps; return the last solved outcome.
 
@@ -267,25 +273,32 @@ def follow_path(
         Name of the quantity that changes along the path.
     first, shortest : float
         Stretches: the first one, and the shortest before giving up.
+    most : float
+        Applications of the path after which it begins no further problem.
 
     Returns
     -------
     Outcome
         With the cost of the path; not converged if it did not lead to its end.
     """
-    done, stretch, taken, tried = 0.0, first, 1, outcome
+    done, stretch, taken, most = 0.0, first, 1, most + outcome.cost.applications
+    failed = outcome
+    if outcome.converged:  # of another problem
+        failed = replace(outcome, status=Status.OUT_OF_ITERATIONS, residual=1.0)
     while outcome.converged and done < 1.0 and stretch >= shortest:
+        if outcome.cost.applications >= most:
+            break
         ahead = min(1.0, done + stretch)
         tried = solve(ahead, outcome)
         taken += 1
         if tried.converged:
             outcome, done, stretch = tried.costing(outcome), ahead, 2.0 * stretch
         else:
-            outcome = outcome.costing(tried)
+            outcome, failed = outcome.costing(tried), tried
             stretch *= 0.5
     more = f" after {taken} problems"
     if done < 1.0:
-        outcome = replace(outcome, status=tried.status, residual=tried.residual)
+        outcome = replace(outcome, status=failed.status, residual=failed.residual)
         more += f", {done:.0%} of the way"
     return replace(outcome, trace=(Note(f"newton continued in {along}", outcome.status, more),))
 
@@ -310,16 +323,22 @@ class FromRest:
         Growth of the creepage from step to step, up to the maximum of the traction curve.
     turns : int
         Most problems with fixed friction if the path ends early.
+    attempt, most : float
+        Applications after which Newton's method gives up a problem in which friction falls, and
+        after which a path gives up.
     """
 
     solver: ProblemSolver
     nearby: ProblemSolver
+    last: ProblemSolver | None = None
     sliding: bool = False
     rough: float = 1e-3
     first: float = 0.25
     shortest: float = 1.0 / 64.0
     growth: float = 2.0
     turns: int = 128
+    attempt: float = 400.0
+    most: float = 2_000.0
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -327,14 +346,15 @@ class FromRest:
         """Solve from a start; without one, or if that fails, along a path of rolling speeds."""
         if not problem.friction.law.falls:
             return self.solver.solve(problem, tolerance, start)
-        spent = []
+        begin = np.inf if self.sliding else 0.0
+        constant = problem.at_speed_ratio(begin)
+        problem, spent = replace(problem, most=self.attempt), []
         if start is not None:
             outcome = self.nearby.solve(problem, tolerance, start)
             if outcome.converged:
                 return outcome
             spent.append(outcome)
-        begin = np.inf if self.sliding else 0.0
-        easier = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
+        easier = self.solver.solve(constant, max(tolerance, self.rough))
         at_once = self.nearby.solve(problem, tolerance, easier)
         outcome = _add_cost(at_once, easier, *spent)
         if not outcome.converged and easier.converged:
@@ -343,8 +363,8 @@ class FromRest:
                 outcome = self._with_top(problem, outcome, easier)
             elif not outcome.converged:
                 outcome = self._with_fixed_friction(problem, tolerance, outcome)
-        if not outcome.converged and outcome.top is None:
-            outcome = self.solver.solve(problem, tolerance, easier).after(outcome)
+        if not outcome.converged and outcome.top is None and self.last is not None:
+            outcome = self.last.solve(problem, tolerance, easier).after(outcome)
         return outcome
 
     def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
@@ -357,7 +377,7 @@ class FromRest:
             last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
             return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
 
-        return follow_path(start, solve, "speed", self.first, shortest)
+        return follow_path(start, solve, "speed", self.first, shortest, self.most)
 
     def _with_fixed_friction(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
         """Solve with the friction of the solution before, in turn, until Newton's method converges.
@@ -383,21 +403,22 @@ class FromRest:
             fixed = replace(problem, friction=replace(rest, law=law))
             outcome = self.nearby.solve(fixed, exact, outcome).costing(outcome)
             if not outcome.converged:
-                return start.costing(outcome)
+                break
             if turn & (turn + 1) == 0:  # seldom: a failure costs more than a turn
-                solved = self.nearby.solve(problem, tolerance, outcome)
+                brief = replace(problem, most=0.5 * self.attempt)  # near the solution, less do
+                solved = self.nearby.solve(brief, tolerance, outcome)
                 outcome = outcome.costing(solved)
                 if solved.converged:
                     note = Note("newton after fixed friction", solved.status, f", {turn + 1} times")
                     return replace(solved, cost=outcome.cost, trace=(*start.trace, note))
-        return start.costing(outcome)
+        return replace(start, cost=outcome.cost)
 
     def _with_top(self, problem: Problem, outcome: Outcome, start: Outcome) -> Outcome:
         """Return an outcome with the maximum of the traction curve, if it is below the force."""
         forces = problem.forces
         vector, target = forces.vectors[0], forces.target[0]
         remaining = PrescribedForces(forces.vectors[1:], forces.target[1:])
-        force = _Curve(self.nearby, problem, remaining, vector, start, self.rough)
+        force = _Curve(self.nearby, problem, remaining, vector, start, self.rough, self.most)
         step, at_zero = force.unit, force(0.0)
         sign = np.sign(target - at_zero) or 1.0
         before, here = 0.0, -sign * step
@@ -420,16 +441,21 @@ class FromRest:
 
 
 class _Curve:
-    """Tangential force as a function of the creepage, each solved from the last solution."""
+    """Tangential force as a function of the creepage, each solved from the last solution.
 
-    def __init__(self, solver, problem, remaining, vector, start, tolerance):
+    After `most` applications it has no values any more.
+    """
+
+    def __init__(self, solver, problem, remaining, vector, start, tolerance, most):
         self._solver, self._problem, self._remaining = solver, problem, remaining
-        self._vector, self._tolerance = vector, tolerance
+        self._vector, self._tolerance, self._most = vector, tolerance, most
         self.spent = replace(start, cost=start.cost.scaled(0.0))
         self._start = start
         self.unit = 0.1 * (1.0 + np.abs(start.creepage[:1]).sum())
 
     def __call__(self, creepage: float) -> float:
+        if self.spent.cost.applications >= self._most:
+            return np.nan
         problem = replace(
             self._problem,
             rigid=self._problem.rigid + creepage * self._vector[:, None, None],

@@ -141,7 +141,9 @@ def falling_method(solver: ProblemSolver, sliding: bool) -> ProblemSolver:
     """
     if isinstance(solver, Sequential) and solver.tangential is not None:
         return replace(solver, tangential=falling_method(solver.tangential, sliding))
-    nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
+    nearby, last = solver, None
+    if isinstance(solver, Ladder):
+        nearby, last = solver.rungs[0], solver.rungs[1]
     # On the path from rest no start is near enough for the shorter method for a near start.
     far = replace(nearby, nearby=None) if isinstance(nearby, Nested) else nearby
-    return UniqueSolution(nearby, FromRest(solver, far, sliding))
+    return UniqueSolution(nearby, FromRest(solver, far, last, sliding))

@@ -404,7 +404,8 @@ class Newton:
                 break
             if at.residual < 0.9 * smallest:
                 smallest, since = at.residual, taken
-            if taken - since > self.hopeless or taken == self.steps:
+            is_spent = taken == self.steps or cost.applications >= problem.most
+            if is_spent or taken - since > self.hopeless:
                 break
             stalled = taken - since >= self.patience
             if stalled and bounded is self.bounded:

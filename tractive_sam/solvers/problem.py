@@ -193,6 +193,8 @@ class Problem:
         it (`Uzawa`).
     kinematics : Kinematics
         How slip follows from displacement.
+    most : float
+        Applications of the operators after which Newton's method gives up.
     """
 
     normal: NormalProblem | FixedPressure
@@ -201,6 +203,7 @@ class Problem:
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
     kinematics: Kinematics = field(default_factory=SteadyRolling)
+    most: float = math.inf
 
     @property
     def operators(self) -> Operators:
