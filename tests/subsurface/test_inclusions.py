@@ -13,6 +13,7 @@ from tractive_sam.operators import isotropic_stiffness
 from tractive_sam.run.explain import expected_applications
 from tractive_sam.run.memory import scene_bytes
 from tractive_sam.studies import cases
+from tractive_sam.studies.run import estimate_times
 from tractive_sam.subsurface import InclusionGroup, around_inclusions
 from tractive_sam.subsurface.inclusion_group import surface_points
 
@@ -509,6 +510,12 @@ def test_the_time_of_a_scene_includes_that_of_its_inclusions():
 
     assert "a second or less" in seconds(7)
     assert "a second or less" not in seconds(31)
+
+
+def test_the_time_of_a_study_includes_that_of_inclusions():
+    scenes = [SCENE.replace(inclusion=inclusion) for inclusion in (None, [GOOD | {"cells": 21}])]
+    without, with_inclusion = estimate_times(scenes, with_files=False)
+    assert with_inclusion > without + 1.0  # s
 
 
 def test_explain_counts_the_contacts_that_inclusions_lift():

@@ -188,18 +188,8 @@ class EigenstrainBox:
         transform = box_transform(6, self._padded)
         spectra = transform.forward(eigenstrain).copy()
         strain = np.zeros_like(spectra)
-        trace, nu = spectra[:3].sum(axis=0), self.poisson
-        at = {pair: b for b, pair in enumerate(EigenstrainBox.axes)} | {
-            (j, i): b for b, (i, j) in enumerate(EigenstrainBox.axes)
-        }
-        for a, (i, j) in enumerate(EigenstrainBox.axes):
-            for b, (k, m) in enumerate(EigenstrainBox.axes):
-                weight = 1.0 + (k != m)
-                strain[a] += weight * self._whole[tuple(sorted((i, j, k, m)))] * spectra[b]
-            strain[a] -= 2.0 * nu * self._whole[i, j] * trace
-            for n, (one, two) in product(range(3), ((i, j), (j, i))):
-                phi = self._whole[tuple(sorted((n, two)))]
-                strain[a] -= 2.0 * (1.0 - nu) * phi * spectra[at[one, n]]
+        for kernels, source in zip(self._whole, spectra, strict=True):
+            strain += kernels * source
         upwards = np.roll(spectra[:, ::-1], 1, axis=1)
         inside = (slice(None), *map(slice, self.shape))
         total = np.zeros((6, *self.shape))
@@ -213,8 +203,11 @@ class EigenstrainBox:
         return total
 
     @cached_property
-    def _whole(self) -> dict[tuple[int, ...], np.ndarray]:
-        """Spectra of the derivatives of phi and psi, by axes; they are real."""
+    def _whole(self) -> np.ndarray:
+        """Spectra of the strain in a whole space, by components of eigenstrain and of strain.
+
+        They are real: sums of derivatives of phi and psi.
+        """
         edges = (
             side * (np.arange(n + 1) - 0.5) for n, side in zip(self.shape, self.sides, strict=True)
         )
@@ -225,7 +218,17 @@ class EigenstrainBox:
             cells = np.diff(np.diff(np.diff(values, axis=0), axis=1), axis=2)
             odd = [axes.count(axis) % 2 for axis in (2, 0, 1)]
             spectra[axes] = self._transform(scale * cells[None], odd)[0].real.copy()
-        return spectra
+        nu, whole = self.poisson, np.zeros((6, 6, *next(iter(spectra.values())).shape))
+        at = {pair: b for b, pair in enumerate(EigenstrainBox.axes)} | {
+            (j, i): b for b, (i, j) in enumerate(EigenstrainBox.axes)
+        }
+        for a, (i, j) in enumerate(EigenstrainBox.axes):
+            for b, (k, m) in enumerate(EigenstrainBox.axes):
+                whole[b, a] += (1.0 + (k != m)) * spectra[tuple(sorted((i, j, k, m)))]
+            whole[:3, a] -= 2.0 * nu * spectra[i, j]
+            for n, (one, two) in product(range(3), ((i, j), (j, i))):
+                whole[at[one, n], a] -= 2.0 * (1.0 - nu) * spectra[tuple(sorted((n, two)))]
+        return whole
 
     @cached_property
     def _image(self) -> list[list[np.ndarray]]:

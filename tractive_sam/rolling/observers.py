@@ -162,7 +162,7 @@ class AroundInclusions(_ContactObserver):
     def bytes_needed(self, model: Model) -> float:
         """Return the memory, bytes, of the largest box of cells, and of contacts by position.
 
-        Measured: spectra of 129 kernels take a third of a box, fields while they are computed the
+        Measured: spectra of 144 kernels take a third of a box, fields while they are computed the
         rest.
         """
         inclusions = model.scene.inclusion

@@ -259,9 +259,7 @@ def _work(model: Model) -> Iterator[Row]:
         yield Row("time", f"not estimated: {unknown}")
         return
     count = expected_applications(model)
-    cells = sum(InclusionGroup.transformed_cells(model.scene.inclusion))
-    boxes = len(model.blocks) * expected_records(model) * cells
-    seconds = seconds_per_application(model) * count + TypicalWork().cell * boxes
+    seconds = seconds_per_application(model) * count + seconds_of_inclusions(model)
     transforms = f"{count} elastic responses by Fourier transforms"
     yield Row("time", f"about {format_duration(seconds)} of one core, for {transforms}")
     yield from _describe_resolving_meshes(model, seconds)
@@ -305,6 +303,12 @@ def expected_applications(model: Model) -> int:
     total = meshes * blocks * (contacts + count * bodies * work.stress)
     total += count * sum(seen.applications(model) for seen in process_of(model).following)
     return round(total + depths * work.plane + count * _fatigue_applications(model))
+
+
+def seconds_of_inclusions(model: Model) -> float:
+    """Return the estimated time of the boxes of cells around inclusions in all records, s."""
+    cells = sum(InclusionGroup.transformed_cells(model.scene.inclusion))
+    return TypicalWork().cell * len(model.blocks) * expected_records(model) * cells
 
 
 def _fatigue_applications(model: Model) -> float:

@@ -165,6 +165,7 @@ def _estimate_times(
     pace = {k: explain.seconds_per_application(m) / _work(m) for k, m in medians.items()}
     return [
         file * with_files
+        + explain.seconds_of_inclusions(model)
         + pace[memory.fields_per_operator(model), type(model.elasticity)]
         * _work(model)
         * explain.expected_applications(model)
