@@ -11,6 +11,7 @@ from tractive_sam.mechanics import hertz
 from tractive_sam.results import BodyFatigue
 from tractive_sam.rolling.body_damage import damage_remark
 from tractive_sam.schema import SceneWarning
+from tractive_sam.studies import cases
 from tractive_sam.subsurface import cycle_depths
 
 STEEL = {"young": 208e3, "poisson": 0.3}
@@ -222,6 +223,18 @@ def test_a_fault_of_the_strength_of_layers(tables, changes, key):
     with pytest.raises(ts.SceneError) as error:
         balls([COVER], tables, fatigue=changes)
     assert f"fatigue.{key}" in [fault.key for fault in error.value.faults]
+
+
+def test_a_study_varies_the_limit_of_a_layer():
+    scene = balls([COVER], [{"limit": 30.0}])
+    axis = {"key": "fatigue.A.layer[0].limit", "values": [20.0, 200.0]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        varied = [
+            case.scene.fatigue.A.layer[0].limit
+            for case in cases(ts.Study(scene=scene, axis=[axis]))
+        ]
+    assert varied == [20.0, 200.0]
 
 
 def test_without_layers_their_strength_is_a_fault():

@@ -436,6 +436,7 @@ class LayerStrength(Table):
         "criterion": "fatigue.criterion, which is common to all layers",
         "yield_strength": "shear_yield, the yield stress in tension over sqrt 3",
     }
+    internal: ClassVar[frozenset[str]] = frozenset(("describe_strength", "find_life"))
     strengths: ClassVar[tuple[str, ...]] = ("limit", "shear_yield")
     hardest_without_inclusions: ClassVar[float] = 400.0
     """Vickers hardness up to which the fatigue limit does not depend on inclusions."""
@@ -478,6 +479,16 @@ class LayerStrength(Table):
         given = [(getattr(self, name), getattr(table, name)) for name in names]
         cycles, exponent, knee = (below if own is None else own for own, below in given)
         return cycles, exponent, knee
+
+    def describe_strength(self, table: Any) -> str:
+        """Return a text with the strength and the life of the layer, with the table [fatigue]."""
+        values = self.find_values(table.criterion, table.sensitivity)
+        parts = [f"{name.replace('_', ' ')} {value:.6g} MPa" for name, value in values.items()]
+        cycles, exponent, knee = self.find_life(table)
+        if "limit" in values:
+            life = f"life {cycles:g} cycles at the limit, to the power -{exponent:g}"
+            parts.append(f"{life}, infinite below" if knee else life)
+        return "; ".join(parts)
 
 
 def check_strength_of_layers(

@@ -532,8 +532,12 @@ class Fatigue(LawTable):
             strength: Strength | None = getattr(self, body)
             if strength is None:
                 continue
+            reach = math.inf if hertz is None else 2.0 * self.depth * hertz.a
             for k, layer in enumerate(strength.layer):
-                yield Row(f"layer {k} of body {body}", self._describe_layer(layer))
+                text = layer.describe_strength(self)
+                if scene.steel[body].faces[k] > reach:
+                    text += f"; below {reach:.4g} mm nothing is evaluated: increase fatigue.depth"
+                yield Row(f"layer {k} of body {body}", text)
             if strength.depth is not None:
                 units = {"hardness": "HV", "limit": "MPa", "shear_yield": "MPa"}
                 curves = {name: scene.steel[body].curves.get(name) for name in units}
@@ -544,16 +548,6 @@ class Fatigue(LawTable):
                     if curve is not None
                 ]
                 yield Row(f"strength of body {body}", "; ".join(parts))
-
-    def _describe_layer(self, layer: LayerStrength) -> str:
-        """Return a text with the strength and the life of a layer."""
-        values = layer.find_values(self.criterion, self.sensitivity)
-        parts = [f"{name.replace('_', ' ')} {value:.6g} MPa" for name, value in values.items()]
-        cycles, exponent, knee = layer.find_life(self)
-        if "limit" in values:
-            life = f"life {cycles:g} cycles at the limit, to the power -{exponent:g}"
-            parts.append(f"{life}, infinite below" if knee else life)
-        return "; ".join(parts)
 
     @property
     def yield_stress(self) -> float | None:
@@ -648,7 +642,9 @@ def _find_layered_steel(scene: Any, body: str, curves: Mapping[str, Any]) -> Lay
     parts = getattr(table, body).layer
     layers = tuple(part.find_values(table.criterion, table.sensitivity) for part in parts)
     common = {"limit": table.limit, "shear_yield": table.shear_yield_stress}
-    constant = {name: (np.zeros(1), np.array([common[name]])) for name in layers[0]}
+    faces = layered_body(scene, body).interfaces
+    ends = np.array([0.0, 2.0 * faces[-1]])  # figures show this depth
+    constant = {name: (ends, np.full(2, common[name])) for name in layers[0]}
     below = table.cycles, table.exponent, table.knee
     lives = *(part.find_life(table) for part in parts), below
     distinct = len(getattr(scene.body.responses[body], "layers", ()))
@@ -658,7 +654,6 @@ def _find_layered_steel(scene: Any, body: str, curves: Mapping[str, Any]) -> Lay
     for k, pair in enumerate(zip(kinds, [*kinds[1:], None], strict=True)):
         jumps = k < distinct or not (by_stress or pair[0] == pair[1])
         groups.append(groups[-1] + jumps)
-    faces = layered_body(scene, body).interfaces
     limit = table.limit or 1.0
     return LayeredSteel(
         constant | dict(curves), faces, layers, lives, tuple(groups), distinct, limit

@@ -340,7 +340,8 @@ def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
     """Report unknown keys in a law's table, unless a user-defined law may have them."""
     keys = [key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns]
     for key in keys:
-        name, _, entry_name = key.partition(".")
+        name, _, inner = key.partition(".")
+        entry_name = inner.partition(".")[0].partition("[")[0]
         kind = Scene.table_class(Scene.model_fields[name]) if name in Scene.model_fields else None
         if kind is None or not issubclass(kind, LawTable) or entry_name in kind.model_fields:
             continue

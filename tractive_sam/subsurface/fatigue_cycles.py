@@ -163,9 +163,10 @@ class LocalSteel:
             return local
         elastic = (laws or Laws.of_contact(contact, ("elasticity",))).elasticity.single_body(body)
         faces = getattr(getattr(elastic, "A", None), "interfaces", np.zeros(0))
-        # The upper ones of the unworn layers may be worn off.
-        number = steel.distinct - faces.size + np.searchsorted(faces, depths)
-        layer = steel.layer_at(zeta, number)
+        lost = steel.distinct - faces.size
+        # Either wear removed the upper layers, or the laws have other layers than the scene.
+        is_known = not lost or contact.scene.has("wear.layer_step")
+        layer = steel.layer_at(zeta, lost + np.searchsorted(faces, depths) if is_known else None)
         limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
         own = np.full(zeta.shape, steel.common_limit) if limit is None else limit
         k = local.shear_yield if k is None else k
