@@ -72,6 +72,13 @@ def test_a_weaker_layer_of_the_same_elasticity_is_a_limit_in_steps():
         # Parabolas through the same values; the interface is a depth of both.
         assert getattr(found, bound) == pytest.approx(getattr(expected, bound), rel=1e-12)
     assert found.local_layer[0].tolist() == [float(depth > face) for depth in depths]
+    each = [found.largest(layer=k) for k in (0, 1)]
+    assert max(each, key=lambda top: top.value).value == found.utilisation_max
+    assert [top.at[2] <= face for top in each] == [True, False]
+    assert np.isnan(found.largest(layer=2).value)
+    assert np.isnan(each[1].surface)
+    with pytest.raises(ValueError, match="no strengths of layers"):
+        expected.largest(layer=0)
 
 
 def test_stress_of_the_stored_contact_gives_the_utilisation_on_both_sides():

@@ -493,30 +493,46 @@ class BodyFatigue(ShortArrays):
         return value, at
 
     def largest(
-        self, name: str = "utilisation", within: tuple[float, float] = (0.0, math.inf)
+        self,
+        name: str = "utilisation",
+        within: tuple[float, float] = (0.0, math.inf),
+        layer: int | None = None,
     ) -> Maximum:
         """Return the largest value of a field by its name; places are (nan, y, depth), mm.
 
         Below the surface it is refined by parabolas through the neighbouring points. If the yield
         stress depends on the depth, the shear stresses `residual_shear` and `path_radius` are taken
         times `shear_yield` over it, so that the largest one determines shakedown. `within` limits
-        the depths, both included: a layer of the body.
+        the depths, both included. `layer` is the number of a layer with a strength, from 0 at the
+        surface; the result is nan if wear has removed it.
+
+        Raises
+        ------
+        ValueError
+            If `layer` is given and the scene has no strengths of the layers of this body.
         """
-        values = getattr(self, name)
+        values, numbers = getattr(self, name), self.local_layer
         inside = (self.depth >= within[0]) & (self.depth <= within[1])
+        if layer is not None:
+            if not numbers.size:
+                raise ValueError(
+                    f"body {self.body} has no strengths of layers, [[fatigue.{self.body}.layer]]"
+                )
+            inside &= (numbers == layer).any(axis=0)
+            values = np.where(numbers == layer, values, 0.0)  # no parabola joins other layers
         if name in ("residual_shear", "path_radius") and self.local_yield.size:
             values = values * (self.shear_yield / self.local_yield)
         depth, values = self.depth[inside], values[:, inside]
-        if np.isnan(values).all():
+        if np.isnan(values).all():  # also without any
             nowhere = (math.nan,) * 3
             return Maximum(self.criterion, *(math.nan, nowhere) * 3)
         row = int(np.argmax(values[:, 0]))
         surface, surface_at = float(values[row, 0]), (math.nan, float(self.y[row]), 0.0)
         if depth[0] > 0.0:
             surface, surface_at = math.nan, (math.nan,) * 3
-        layer = self.local_layer[:, inside] if self.local_layer.size else 0.0 * values
+        numbers = numbers[:, inside] if numbers.size else 0.0 * values
         below = depth > 0.0
-        interior, interior_at = self._interior(depth[below], values[:, below], layer[:, below])
+        interior, interior_at = self._interior(depth[below], values[:, below], numbers[:, below])
         higher = not (surface >= interior or math.isnan(interior))
         value, at = (interior, interior_at) if higher else (surface, surface_at)
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
