@@ -35,11 +35,6 @@ DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """Dimensions that a user-defined column may have in addition to the record."""
 
 
-def _always(_scene: Scene) -> bool:
-    """Return True for any scene."""
-    return True
-
-
 @dataclass(frozen=True)
 class Quantity:
     """Description of a recorded quantity (column): name, unit, dimensions and how it is computed.
@@ -71,7 +66,7 @@ class Quantity:
         Whether it is per length in a line contact.
     needs : tuple of str
         Dotted keys of entries that a scene must have for it, see `Scene.has`.
-    when : callable
+    when : callable, optional
         Further condition on a scene.
     bodies_of : str
         For dimensions ("body", ...): the table of the scene that lists its bodies; by default both.
@@ -107,7 +102,7 @@ class Quantity:
     whole: bool = False
     per_length: bool = False
     needs: tuple[str, ...] = field(default=(), compare=False)
-    when: Callable[[Scene], bool] = field(default=_always, compare=False)
+    when: Callable[[Scene], bool] | None = field(default=None, compare=False)
     bodies_of: str = field(default="", compare=False)
     role: str = ""
     over_blocks: str = "mean"
@@ -148,7 +143,7 @@ class Quantity:
 
     def applies(self, scene: Scene) -> bool:
         """Return whether histories of a scene have this column."""
-        return all(map(scene.has, self.needs)) and self.when(scene)
+        return all(map(scene.has, self.needs)) and (self.when is None or self.when(scene))
 
     def read(self, contact: Any) -> Any:
         """Return the value of the quantity in a contact; LookupError if only rolls have it.
