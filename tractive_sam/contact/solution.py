@@ -91,10 +91,11 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
     courses = scene.schedule.course_keys.items()
     forces += [key for name, key in courses if name.startswith("load.force")]
     if outcome.top is not None:
-        top = outcome.top[0] * model.units.pressure * model.grid.element_area
+        force, creepage = outcome.top
+        top = force * model.units.pressure * model.grid.element_area
         return reached + (
             f"{forces[0]} is beyond the top of the traction curve, {top:.5g} {scene.force_unit} at "
-            f"a creepage of {outcome.top[1] * model.units.slip:.3g}: friction falls with sliding, "
+            f"a creepage of {creepage * model.units.slip:.3g}: friction falls with sliding, "
             f"and no creepage gives more; lower {forces[0]}, or give the creepage"
         )
     if forces and outcome.status is Status.DIVERGED:

@@ -399,12 +399,12 @@ def _gap_from_columns(settings: scene.Gap, table: TextTable) -> _GapData:
         value = f"columns {', '.join(table.labels)}" + (" and gap.step" if order else "")
         cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and y, x, lateral, position"
         raise TextError(value, cure)
-    _check_meaning(settings, names[order[-1]], len(order) == 2)
+    *places, height = order
+    _check_meaning(settings, names[height], len(places) == 1)
     labels, units = ([texts[k] for k in order] for texts in (table.labels, table.units))
     stated = agree_units(settings, labels, units, "a header without the unit of")
-    places = table.numbers(order[:-1])
-    points = np.column_stack([places, _read_cells(settings, table, order[-1:])])
-    if len(order) == 2:
+    points = np.column_stack([table.numbers(places), _read_cells(settings, table, [height])])
+    if len(places) == 1:
         return _gap_from_profile(settings, points[:, 0], points[:, 1], stated)
     return replace(_gap_from_points(settings, points), units=stated)
 

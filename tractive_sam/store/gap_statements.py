@@ -171,7 +171,9 @@ def agree_units(
     bare : str
         Message if units are missing, before the names without one.
     """
-    units = [*(settings.length_unit or unit for unit in stated[:-1]), settings.unit or stated[-1]]
+    *lengths, height = stated
+    lengths, height = [settings.length_unit or unit for unit in lengths], settings.unit or height
+    units = [*lengths, height]
     pairs = [*zip(names, units, strict=True)]
     for name, unit in pairs:
         if unit and unit not in LENGTHS:
@@ -180,12 +182,12 @@ def agree_units(
         missing = ", ".join(name for name, unit in pairs if not unit)
         cure = "units of all or none; gap.unit and gap.length_unit state them, too"
         raise TextError(f"{bare} {missing}", cure)
-    if len({*units[:-1]}) > 1:
-        listed = ", ".join(f"{name} in {unit}" for name, unit in pairs[:-1])
+    if len({*lengths}) > 1:
+        listed = ", ".join(f"{name} in {unit}" for name, unit in zip(names, lengths, strict=False))
         raise TextError(listed, "one unit for x and y")
     for name, unit, used in zip(names, stated, units, strict=True):
         _name_replaced_unit(settings, name, unit, used)
-    return units[0] or "mm", units[-1] or "mm"
+    return lengths[0] or "mm", height or "mm"
 
 
 def _name_replaced_unit(settings: scene.Gap, name: str, stated: str, used: str | None) -> None:
