@@ -709,7 +709,7 @@ def _roll_adaptively(scene: Scene) -> Answer:
         warnings.simplefilter("ignore")
         history = roll(scene, progress=False)
     if not history.finished:
-        cure = f"a scene that can be rolled to its end; {history.message}"
+        cure = f"first values with which it can be rolled to its end; {history.message}"
         raise SceneError([Fault("scene", "a roll that ends early", cure)])
     numbers = {
         "steps": history["revolution"].astype(float),

@@ -658,9 +658,10 @@ class FitProblem:
         replies = {name: Reply(together[key], answers[key]) for name, key in names.items()}
         for (n, _, k), reply in replies.items():
             if reply.failed:
-                values = [f"{key} = {value_of(reply.case.scene, key):.4g}"
-                          for key in self.parameters.keys]  # fmt: skip
-                where = ", ".join([self.series[n].label_of(k), *values])
+                where = self.series[n].label_of(k)
+                for key in self.parameters.keys:
+                    value = value_of(reply.case.scene, key)  # None for wear of unworn bodies
+                    where += "" if value is None else f", {key} = {np.mean(value):.4g}"
                 self.failures[reply.case.digest] = f"{where}: {reply.answer.message}"
         return replies
 
