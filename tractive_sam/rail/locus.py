@@ -89,17 +89,25 @@ class ContactLocus:
     def conicity_error(self, amplitude: float) -> float:
         """Return an error bar of `conicity`: its change if every other position is left out.
 
-        Linear interpolation between half as many positions has about four times the error.
+        Linear interpolation between half as many positions has about four times the error. The
+        larger change by even and by odd positions counts. Below `least_amplitude`, the error bar is
+        at least the difference from the conicity there.
         """
         near_jump = self.jumps | np.append(self.jumps[1:], False)
-        retained = near_jump | (np.arange(self.y.size) % 2 == 0)
-        retained[[0, -1]] = True
         names = ("y", "roll", "jumps", "points", "wheel", "rail", "angle", "radius")
         arrays = {name: getattr(self, name) for name in names}
-        fewer = {k: a[retained] if a.ndim == 1 else a[:, retained] for k, a in arrays.items()}
+        resolved = min(max(amplitude, self.least_amplitude), -self.y[0], self.y[-1])
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return abs(replace(self, **fewer).conicity(amplitude) - self.conicity(amplitude))
+            conicity = self.conicity(amplitude)
+            errors = [abs(self.conicity(resolved) - conicity)]
+            for first in (0, 1):
+                retained = near_jump | (np.arange(self.y.size) % 2 == first)
+                retained[[0, -1]] = True
+                fewer = {k: a[..., retained] if a.ndim < 3 else a[:, retained]
+                         for k, a in arrays.items()}  # fmt: skip
+                errors.append(abs(replace(self, **fewer).conicity(amplitude) - conicity))
+        return max(errors)
 
     @property
     def least_amplitude(self) -> float:
