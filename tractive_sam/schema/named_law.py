@@ -19,7 +19,6 @@ from importlib import import_module, metadata
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 from urllib.parse import urlparse
-from urllib.request import url2pathname
 
 import numpy as np
 from pydantic import ConfigDict, PydanticUserError, TypeAdapter, ValidationError
@@ -156,6 +155,8 @@ def installed_entry_points(group: str) -> Iterator[metadata.EntryPoint]:
     Metadata in the current folder or in the source folder of an editable installation (PEP 610) do
     not count: the interpreter may search these folders, and received files may be in them.
     """
+    from urllib.request import url2pathname  # noqa: PLC0415 - loads http and ssl
+
     here, sources = Path.cwd().resolve(), []
     distributions = [
         (place, distribution)
