@@ -44,3 +44,20 @@ def test_courses_of_creepage_keep_their_words():
     course = plot.Variable("creepage.longitudinal", np.array(["0 to -0.001", "0 to -0.002"]))
     assert course.label == r"$\xi_x$"
     assert course.texts == ["0 to -0.001", "0 to -0.002"]
+
+
+def test_the_distribution_of_samples_rises_to_its_percentiles():
+    values = np.append(np.linspace(1.0, 2.0, 101)[::-1], np.nan)  # a failed sample
+    quantiles = np.array([[1.05, 1.5], [-np.inf, 1.4], [1.1, 1.6]])
+    axes = plot.sample_distribution(values, np.array([5.0, 50.0]), quantiles, "p (MPa)").axes[0]
+    x, shares = axes.lines[0].get_data()
+    np.testing.assert_allclose(np.interp([1.25, 1.5], x, shares), [25.25, 50.0], atol=0.1)
+    ends = [segment[:, 0] for segment in axes.collections[0].get_segments()]
+    np.testing.assert_allclose(ends, [[1.0, 1.1], [1.4, 1.6]])  # cut off at the samples
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("p (MPa)", "share of samples below (%)")
+
+
+def test_a_key_with_its_largest_value_at_the_median_is_not_the_last_cause():
+    ends = np.array([[0.5, 0.98], [0.5, 1.02]])
+    figure = plot.scatter_causes(["y", "z"], ends, 1.0, ["y"], {"linear": np.ones(1)}, "u")
+    assert [text.get_text() for text in figure.axes[0].get_yticklabels()] == ["z", "y"]  # upwards

@@ -34,7 +34,14 @@ from tractive_sam.fitting.response import (
     open_question,
     run_question,
 )
-from tractive_sam.plot import Drawing, Variable, percentile_band, scatter_causes, study_samples
+from tractive_sam.plot import (
+    Drawing,
+    Variable,
+    percentile_band,
+    sample_distribution,
+    scatter_causes,
+    study_samples,
+)
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 
@@ -544,7 +551,7 @@ class SpreadResult(QuestionResult):
             ends, middle = columns["ends"][:, k], float(columns["nominal"][k])
             arguments = keys, ends, middle, self.texts("cause"), bars, label
             yield Drawing(f"causes-{name}", f"{one}: {text}.", draw(scatter_causes, *arguments))
-            swing = np.nan_to_num(np.abs(ends[1] - ends[0]))
+            swing = np.nan_to_num(np.abs(ends - middle)).max(axis=0)
             units = [
                 re.search(
                     r", ((k?N|M?Pa|mm|m/s|mrad|degrees|K|W|1/mm|micrometres|HV)[^,;:]*)",
@@ -557,6 +564,11 @@ class SpreadResult(QuestionResult):
             y = Variable("", columns["sample_outcome"][:, k], label)
             caption = f"{one} of the samples over the keys with the largest effect."
             yield Drawing(f"samples-{name}", caption, draw(study_samples, x, y))
+            if np.isfinite(y.values).any():
+                quantiles = np.stack([columns[f"quantile{end}"][k] for end in self.ends])
+                caption = f"Share of the samples below each value of {one}, and its percentiles."
+                about = y.values, columns["percentile"], quantiles, label
+                yield Drawing(f"distribution-{name}", caption, draw(sample_distribution, *about))
         for name in dict.fromkeys(one.column for one in outcomes):
             rows = [k for k, one in enumerate(outcomes) if one.column == name]
             places = np.array([outcomes[k].place for k in rows])

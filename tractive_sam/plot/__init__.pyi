@@ -77,6 +77,7 @@ from .study import fitted_curve as fitted_curve
 from .study import pareto_front as pareto_front
 from .study import percentile_band as percentile_band
 from .study import profile_likelihood as profile_likelihood
+from .study import sample_distribution as sample_distribution
 from .study import scatter_causes as scatter_causes
 from .study import study_curves as study_curves
 from .study import study_map as study_map

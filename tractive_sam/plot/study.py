@@ -695,7 +695,7 @@ def scatter_causes(
     """
     figure = new_figure(1.7, 0.38 + 0.08 * max(len(keys), len(causes)))
     left, right = figure.subplots(1, 2)
-    order = np.argsort(np.nan_to_num(np.abs(ends[1] - ends[0])))
+    order = np.argsort(np.nan_to_num(np.abs(ends - nominal)).max(axis=0))
     names = "key at 5 %", "key at 95 %"
     sides = zip(ends[:, order], names, (LOOK.grey, LOOK.green), strict=True)
     for values, name, colour in sides:
@@ -715,6 +715,53 @@ def scatter_causes(
     right.set_yticks(range(len(causes)), [fill(causes[k], 30) for k in ranks])
     right.set_xlabel("share of the variance")
     figure.legend(loc="outside lower center", ncols=4)
+    set_title(figure, title)
+    return figure
+
+
+@apply_style
+def sample_distribution(
+    values: np.ndarray,
+    percentiles: np.ndarray,
+    quantiles: np.ndarray,
+    label: str,
+    *,
+    title: str = "",
+) -> Figure:
+    """Draw the share of samples below each value, and percentiles with their intervals.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Values of the samples; those that are not finite are left out.
+    percentiles : ndarray, shape (k,)
+        The percentiles, 0 to 100.
+    quantiles : ndarray, shape (3, k)
+        Their values, and the low and high ends of their intervals; ends beyond the samples are
+        drawn at the outermost samples.
+    label : str
+        Label of the quantity, with its unit.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> quantiles = np.array([[1.0, 1.5], [0.9, 1.4], [1.1, np.inf]])
+    >>> plot.sample_distribution(np.linspace(0.8, 1.6, 16), np.array([50, 95]), quantiles, "wear")
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.72)
+    rising = np.sort(values[np.isfinite(values)])
+    shares = 100.0 * (np.arange(rising.size) + 0.5) / rising.size
+    axes.step(rising, shares, where="mid", color=LOOK.grey, label="samples")
+    middle, low, high = np.clip(quantiles, rising[0], rising[-1])
+    reach = np.maximum([middle - low, high - middle], 0.0)
+    look: dict[str, Any] = {"color": LOOK.vermillion, "capsize": 2.0, "zorder": 3}
+    axes.errorbar(middle, percentiles, xerr=reach, fmt="o", label="percentiles", **look)
+    if _spans_decades(rising):
+        axes.set_xscale("log")
+    axes.set(ylim=(0.0, 100.0), xlabel=fill(label, 40), ylabel="share of samples below (%)")
+    axes.legend(loc="best")
     set_title(figure, title)
     return figure
 
