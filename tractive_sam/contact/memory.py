@@ -312,7 +312,7 @@ class Memory:
         if time and not distance:
             rest += self._at_rest(time, loads, ended=True)
         last = replace(recalling.carried, rest=rest, response=(size, response))
-        last, past = self.moved(last, loads, ahead), self.moved(past, before, 0)
+        last, past = self.moved(last, loads, ahead), self.moved(past, before, ahead)
         works = self.work(before, past.moved), self.work(loads, last.moved)
         stored = last.stored.copy()
         for k, term in enumerate(self.terms):

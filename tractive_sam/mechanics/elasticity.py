@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign, quadrant
+from tractive_sam.kernels.half_space import integrals, integrate_logarithm, integrate_sign
 from tractive_sam.lazy_names import accept_renamed_methods, renamed_attributes
 from tractive_sam.mechanics.law import Law
 
@@ -690,8 +690,16 @@ class _ElementIntegrals:
         table = self._table
         stored_x, stored_y = table.shape[1:]
         if nx > stored_x or ny > stored_y:
-            table = quadrant(max(nx, stored_x), max(ny, stored_y), *self._sides)
-            self._table = table
+            new, (dx, dy) = np.empty((6, max(nx, stored_x), max(ny, stored_y))), self._sides
+            x, y = dx * np.arange(new.shape[1])[:, None], dy * np.arange(new.shape[2])
+            new[:, :stored_x, :stored_y] = table
+            for along, across in (
+                (slice(stored_x, None), slice(None)),
+                (slice(stored_x), slice(stored_y, None)),
+            ):
+                if x[along].size and y[across].size:
+                    new[:, along, across] = integrals(x[along], y[across], dx, dy)
+            self._table = table = new
         return table[:, :nx, :ny]
 
 

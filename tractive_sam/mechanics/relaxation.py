@@ -309,33 +309,40 @@ class _Coefficients:
 
     def __init__(self, law: RelaxingHalfSpaces, component: str, dx: float, dy: float) -> None:
         self._law, self._component, self._sides = law, component, (dx, dy)
-        self._table = np.empty((2, 0, 0))
+        self._tables: dict[int, np.ndarray] = {}
 
     def at(self, nx: int, ny: int) -> np.ndarray:
-        """Return those at offsets below (nx, ny) elements, mm/MPa, (2, nx, ny)."""
-        stored = self._table.shape[1:]
-        if nx > stored[0] or ny > stored[1]:
-            offsets, component = (max(nx, stored[0]), max(ny, stored[1])), self._component
-            self._table = np.zeros((2, *offsets))
-            for elastic, body in _parts(self._law):
-                self._table[0] += elastic.coefficients(component, offsets, *self._sides)
-                self._add_memory(elastic, body)
-        return self._table[:, :nx, :ny]
+        """Return those at offsets below (nx, ny) elements, mm/MPa, (2, nx, ny).
 
-    def _add_memory(self, elastic: LinearHalfSpaces, body: SurfaceResponse) -> None:
+        The lengths of `_memory_along` change their last digits. So that results do not depend on
+        what was computed before, meshes with the same lengths have a table.
+        """
+        further = _beyond(self._law.step[0], self._sides[0]) if self._law.step else 0
+        rows = _rounded_up(nx + further) - further
+        table = self._tables.get(rows)
+        if table is None or ny > table.shape[2]:
+            table = self._tables[rows] = np.zeros((2, rows, ny))
+            for elastic, body in _parts(self._law):
+                table[0] += elastic.coefficients(self._component, (rows, ny), *self._sides)
+                self._add_memory(table, elastic, body)
+        return table[:, :nx, :ny]
+
+    def _add_memory(
+        self, table: np.ndarray, elastic: LinearHalfSpaces, body: SurfaceResponse
+    ) -> None:
         """Add the displacement by the memory of a body, or what of it a step renews."""
-        speed, step, offsets = self._law.speed, self._law.step, self._table.shape[1:]
+        speed, step, offsets = self._law.speed, self._law.step, table.shape[1:]
         if not isinstance(body, RelaxingBody):
             return
         if step is not None and not step[0]:
             renewed = body.factor(0.0, 0.0, step).real - 1.0
-            self._table[0] += renewed * elastic.coefficients(self._component, offsets, *self._sides)
+            table[0] += renewed * elastic.coefficients(self._component, offsets, *self._sides)
             return
         for ratio, time in body.terms:
             of_term = elastic, self._component, offsets, self._sides, speed * time
-            self._table += ratio * _remember(*of_term)
+            table += ratio * _remember(*of_term)
             if step is not None:
-                self._table -= ratio * _remember(*of_term, step[0])
+                table -= ratio * _remember(*of_term, step[0])
 
 
 _coefficients = lru_cache(32)(_Coefficients)
@@ -377,9 +384,7 @@ def _remember(
     if not reach:
         table = law.coefficients(component, offsets, *sides)
         return np.stack((table, np.zeros_like(table)))
-    # Elements of the step, and of the polynomials.
-    further = int(distance / dx) + 6 if distance else 0
-    memory = _memory_along(law, component, (nx + further, ny), sides, reach, far)
+    memory = _memory_along(law, component, (nx + _beyond(distance, dx), ny), sides, reach, far)
     line, start = memory.line, memory.start
     if distance:
         line, start = _mean_over_step(memory, dx / reach, distance / dx)
@@ -389,6 +394,16 @@ def _remember(
     if not far:
         rear = line[start::-1][:nx]
     return 0.5 * np.stack((front + parity * rear, front - parity * rear))
+
+
+def _beyond(distance: float, dx: float) -> int:
+    """Return the elements that a step needs beyond a mesh, of it and of the polynomials."""
+    return int(distance / dx) + 6 if distance else 0
+
+
+def _rounded_up(nx: int) -> int:
+    """Return the length that meshes of similar size share, 24 elements times a power of two."""
+    return 24 * 2 ** max(0, int(np.ceil(np.log2(nx / 24))))
 
 
 class _Along(NamedTuple):
@@ -440,14 +455,18 @@ def _memory_along(
         These parts, odd.
     """
     (dx, dy), (nx, ny) = sides, offsets
-    # Also smaller meshes around the contact have these places of lengths.
-    nx = 24 * 2 ** max(0, int(np.ceil(np.log2(nx / 24))))
+    nx = _rounded_up(nx)
     parity = -1.0 if component in ("xz", "xy") else 1.0
+    homogeneous = law.datum is None and law.images[0].size == 1
     first, doublings = 12, int(np.log2(nx / 12))  # of the doubled length up to the mesh's end
 
     def table(rows: int, step: float) -> np.ndarray:
         """Return K at offsets of a step, of elements as long as it, per their length."""
-        values = law.coefficients(component, (rows + 1, ny), step, dy) * (dx / step)
+        # Of homogeneous bodies it is proportional to the size of the elements: coarser meshes share
+        # that of other steps.
+        scale = dy if homogeneous and step != dx else 1.0
+        values = law.coefficients(component, (rows + 1, ny), step / scale, dy / scale)
+        values = values * (scale * dx / step)
         if step > dx:  # to that of shorter elements, whose second moment about the centre is less
             values = values.copy()
             values[1:-1] -= (1.0 - (dx / step) ** 2) / 24.0 * np.diff(values, 2, axis=0)
@@ -457,7 +476,7 @@ def _memory_along(
     lengths = [dx * 2**doublings]
     while 2 * first * lengths[-1] < 40.0 * reach:
         lengths.append(2.0 * lengths[-1])
-    rise = table(2 * first + 1, lengths[-1])
+    rise = table(2 * first + 4, lengths[-1])[: 2 * first + 1]
     unit = (rise[first] - rise[2 * first]) / np.log(2.0) if parity > 0.0 else rise[-1]
     value = rise[-1:]
     for step in reversed(lengths):

@@ -506,11 +506,15 @@ class Operators:
         sides = self.lattice.dx, self.lattice.dy
         at, parts = self.elasticity.coefficients, self.elasticity.parts
 
+        offsets = 2, 1
+        if not self.elasticity.symmetric:  # those of `slip`, which are stored
+            offsets = self.lattice.padded[0] // 2 + 2, self.lattice.padded[1] // 2 + 1
+
         def of_offsets(component: str) -> np.ndarray:
-            tables = [at(k, (2, 1), *sides) for k, (x, y) in parts(component).items() if x * y > 0]
+            tables = [at(k, offsets, *sides) for k, (x, y) in parts(component).items() if x * y > 0]
             if not self.elasticity.symmetric:
-                tables.append(self.elasticity.lag(component, (2, 1), *sides))
-            return weights @ sum(tables[1:], start=tables[0])[:, 0]
+                tables.append(self.elasticity.lag(component, offsets, *sides))
+            return weights @ sum(table[:2, 0] for table in tables)
 
         entries = self._tangential(*map(of_offsets, ("xx", "xy", "yy")))
         first, mixed, second = (float(self._per_dx * entry) for entry in entries)

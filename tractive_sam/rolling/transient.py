@@ -297,7 +297,10 @@ class Moment(Step):
             places, rest = state["memory_places"], state["memory_rest"]
             memory = Remembered(places, rest, state["memory_datum"], state["memory_stored"])
         worn_fields = {"worn": none, "gained": none} | depths
-        result = StepResult(contact, energy=energy, memory=memory, **worn_fields)
+        missed = state.get("extrapolation_error")
+        result = StepResult(
+            contact, energy=energy, memory=memory, extrapolation_error=missed, **worn_fields
+        )
         shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
         return cls(
             float(columns["distance"][row]),
@@ -342,6 +345,8 @@ class Moment(Step):
         if (memory := self.result.memory) is not None:
             state |= {"memory_places": memory.places, "memory_rest": memory.rest}
             state |= {"memory_datum": memory.datum, "memory_stored": memory.stored}
+        if (missed := self.result.extrapolation_error) is not None:
+            state["extrapolation_error"] = missed
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
