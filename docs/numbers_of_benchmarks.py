@@ -97,6 +97,7 @@ def relaxing_cost() -> str:
         "scene": ("scene", str),
         r"terms ($f$, $V\tau/a$)": ("terms", str),
         "time / time of elastic bodies": ("ratio", number(".2f")),
+        "first solution on a mesh": ("first ratio", number(".2f")),
     }
     return format_columns(read_rows("relaxation_cost.csv"), columns)
 
