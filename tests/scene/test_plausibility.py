@@ -34,6 +34,7 @@ SMALL = [f"body.{body}.radius_x=0.03" for body in "AB"]
         (["wear.coefficient=2"], "wear"),
         (["load.pressure=1"], r"load\.pressure: p0"),
         (["load.normal=1e-4"], r"load\.normal: p0"),
+        (["load.normal=0.3"], r"load\.normal: under 0.3 N.*kN"),
         (["load.approach=1e-7"], r"load\.approach: p0"),
         (["body.A.density=7.85"], r"body\.A\.density"),
         (["wear.coefficient=1e-13"], r"wear\.coefficient: k"),

@@ -127,6 +127,15 @@ def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
         yield Reading(pair.key, pair.hertz.p0, {"meant": meant})
 
 
+def read_approach_of_metals(pair: Pair) -> Iterator[Reading]:
+    """Yield the approach by Hertz of metals under a given load, um, unless p0 is noted already."""
+    hertz, is_load = pair.hertz, pair.key.endswith("load.normal") and not pair.rough
+    if hertz is None or not is_load or not _are_metals(pair.bodies.materials):
+        return
+    if hertz.p0 >= LOW_PRESSURE:
+        yield Reading(pair.key, 1e3 * hertz.approach, {"load": hertz.load})
+
+
 def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
     """Yield the largest pressure of a solved contact between metals, MPa; none without contact."""
     if peak.pressure > 0.0 and _are_metals(peak.materials):
@@ -271,6 +280,9 @@ class Rule:
                 yield reading.key, self.note.format(value=reading.value, **details)
 
 
+LOW_PRESSURE = 10.0
+"""Improbably low peak pressure of metals, MPa."""
+
 RULES = (
     Rule(
         "modulus in GPa",
@@ -327,7 +339,17 @@ RULES = (
         "MPa; {meant}",
         "at 10 MPa the contact of metals is smaller than 1e-4 of the radius, and roughness carries "
         "it; a load in kN gives a tenth of p0, a pressure in GPa a thousandth",
-        below=10.0,
+        below=LOW_PRESSURE,
+    ),
+    Rule(
+        "load in kN",
+        "contact",
+        read_approach_of_metals,
+        "under {load:g} N (N/mm for a line contact), the bodies approach by {value:.2g} um, less "
+        "than the roughness of ground surfaces, which then carries the load; is the load in kN?",
+        "ground surfaces have a roughness of 0.2 to 1 um; discs and wheels of steel approach by 1 "
+        "to 100 um, and under a load in kN in place of N by a hundredth of it",
+        below=0.2,
     ),
     Rule(
         "conforming bodies",
@@ -356,7 +378,7 @@ RULES = (
         "{value:.3g} MPa{place} is improbable for rolling metals, which carry 100 to 5000 MPa; "
         "check the units of [load] (N, MPa, mm) and of the radii (mm)",
         "as for the pressure by Hertz",
-        below=10.0,
+        below=LOW_PRESSURE,
     ),
     Rule(
         "contact near an edge",
