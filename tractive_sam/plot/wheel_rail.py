@@ -45,10 +45,11 @@ def wheel_on_rail(view: ContactView) -> Figure:
     for patch, side in zip(patches, sides, strict=True):
         y, z = patch.origin[1:]
         ends = length * patch.normal[1:]
-        label = f"{np.degrees(patch.angle):.1f}°"
+        label = f"${np.degrees(patch.angle):.1f}$°"
         axes.plot([y, y + ends[0]], [-z, -z - ends[1]], color=LOOK.grey)
-        axes.annotate(label, (y + ends[0], -z - ends[1]), ha=side)
-    axes.margins(y=0.15)  # for the labels above the normals
+        place = (y + ends[0], -z - ends[1])
+        axes.annotate(label, place, (0, 3), textcoords="offset points", ha=side)
+    axes.margins(y=0.2)  # for the labels above the normals
     axes.set(xlabel="y (mm)", ylabel="height (mm)", aspect="equal")
     axes.legend(loc="lower center")
     return figure
@@ -84,10 +85,11 @@ def contact_points(scene: Scene, locus: ContactLocus, apart: float = 12.0) -> Fi
         (wheel_y, wheel_z), (rail_y, rail_z) = locus.wheel[0, k], locus.rail[0, k]
         axes.plot([centre + wheel_y, rail_y], [apart - wheel_z, -rail_z], "-", color=LOOK.grey)
         if k in (0, len(locus.y) // 2, len(locus.y) - 1):
-            axes.annotate(f"{y:.3g}", (rail_y, -rail_z), (0, -5), textcoords="offset points",
+            axes.annotate(f"${y:.3g}$", (rail_y, -rail_z), (0, -5), textcoords="offset points",
                           ha="center", va="top", fontsize=7)  # fmt: skip
     axes.set(xlabel="lateral position (mm)", ylabel="height (mm)", aspect="equal")
-    axes.legend(loc="lower right")
+    # Beside or below the profiles, a narrow figure has no room.
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
     return figure
 
 

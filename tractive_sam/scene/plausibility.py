@@ -132,7 +132,7 @@ def read_approach_of_metals(pair: Pair) -> Iterator[Reading]:
     hertz, is_load = pair.hertz, pair.key.endswith("load.normal") and not pair.rough
     if hertz is None or not is_load or not _are_metals(pair.bodies.materials):
         return
-    if hertz.p0 >= LOW_PRESSURE:
+    if hertz.p0 >= 10.0:  # below, the pressure has a note
         yield Reading(pair.key, 1e3 * hertz.approach, {"load": hertz.load})
 
 
@@ -280,9 +280,6 @@ class Rule:
                 yield reading.key, self.note.format(value=reading.value, **details)
 
 
-LOW_PRESSURE = 10.0
-"""Improbably low peak pressure of metals, MPa."""
-
 RULES = (
     Rule(
         "modulus in GPa",
@@ -339,7 +336,7 @@ RULES = (
         "MPa; {meant}",
         "at 10 MPa the contact of metals is smaller than 1e-4 of the radius, and roughness carries "
         "it; a load in kN gives a tenth of p0, a pressure in GPa a thousandth",
-        below=LOW_PRESSURE,
+        below=10.0,
     ),
     Rule(
         "load in kN",
@@ -378,7 +375,7 @@ RULES = (
         "{value:.3g} MPa{place} is improbable for rolling metals, which carry 100 to 5000 MPa; "
         "check the units of [load] (N, MPa, mm) and of the radii (mm)",
         "as for the pressure by Hertz",
-        below=LOW_PRESSURE,
+        below=10.0,
     ),
     Rule(
         "contact near an edge",

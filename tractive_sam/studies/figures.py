@@ -235,6 +235,7 @@ def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = 
     if table == "transient.creepage":
         shifts = scene.schedule.shifts
         meaning = CreepageCourse.shifts[name] if shifts else title_of(f"creepage.{name}")
+    meaning = re.split("; |, or |, for ", meaning)[0]  # without conditions: a label is short
     return Variable(key, values, meaning, _unit(key, scene))
 
 
