@@ -431,7 +431,13 @@ class MapFrame:
         # An additional element, as the contact may be one element wide.
         around = margin * min(np.ptp(x), np.ptp(y)) / 2 + np.diff(views[0].x_over_a)[0]
         sides = x.min() - around, x.max() + around, y.min() - around, y.max() + around
-        return cls.from_sides(*map(float, sides), width=width)
+        frame = cls.from_sides(*map(float, sides), width=width)
+        # A low figure becomes as high as any other by room above and below the contact.
+        layout, has_title = MapLayout.current(), bool(wrap_title("title", width))
+        room = layout.bottom + layout.top - layout.line * (not has_title)
+        height = max(frame.height, LOOK.least_height / 25.4 - room)
+        added = 0.5 * (height - frame.height) * frame.units_per_inch[1]
+        return replace(frame, bottom=frame.bottom - added, top=frame.top + added, height=height)
 
     @classmethod
     def from_sides(

@@ -624,7 +624,10 @@ def confidence_ellipses(
                 axes.yaxis.offsetText.set_visible(is_first)
                 axes.set_title(f"{correlation[column, row]:.2f}", loc="right", fontsize=7, pad=2.0)
             if is_last:
-                axes.set_xlabel(names[column] if count <= 3 else names[column].replace(".", ".\n"))
+                # Among small panels, the power of ten is on a line between numbers and label.
+                many = count > 3
+                name = names[column].replace(".", ".\n") if many else names[column]
+                axes.set_xlabel(name, labelpad=12.0 if many else None)
             if is_first:
                 axes.set_ylabel(names[row] if count <= 3 else names[row].replace(".", ".\n"))
     handles, labels = panels[0, 0].get_legend_handles_labels()

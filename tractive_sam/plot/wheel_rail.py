@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.plot.contact_map import ContactView, Need
-from tractive_sam.plot.figure import LOOK, Figure, apply_style, format_title, new_axes
+from tractive_sam.plot.figure import (
+    LOOK,
+    Figure,
+    apply_style,
+    format_title,
+    new_axes,
+    new_figure,
+)
 from tractive_sam.plot.registry import contact_figure, history_figure
 from tractive_sam.rail import ContactLocus, Profile
 from tractive_sam.results import History, WornProfiles
@@ -209,7 +216,7 @@ def worn_wheel_and_rail(worn: WornProfiles, magnified: float = 100.0) -> Figure:
     >>> plot.worn_wheel_and_rail(ts.wear_profiles(scene))
     <Figure size ...>
     """
-    figure = Figure()
+    figure = new_figure(1.0, 1.1)
     depths = {"wheel": (worn.wheel_depth[-1], 1.0), "rail": (worn.rail_depth[-1], -1.0)}
     for k, (name, new) in enumerate(worn.new.items()):
         depth, outward = depths[name]
@@ -217,5 +224,5 @@ def worn_wheel_and_rail(worn: WornProfiles, magnified: float = 100.0) -> Figure:
         _draw_profile(axes, new, color=LOOK.grey, label=f"new {name}")
         _draw_profile(axes, new.worn(magnified * depth, outward), label=f"wear x {magnified:g}")
         axes.set(xlabel="y (mm)", ylabel="height (mm)", aspect="equal")
-        axes.legend()
+        axes.legend(loc="lower center" if name == "rail" else "lower right")
     return figure
