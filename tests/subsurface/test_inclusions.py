@@ -388,6 +388,14 @@ def test_the_iterated_contact_is_the_direct_solution_with_the_compliance_of_the_
             assert abs(solved.approach - approach) < 1e-2 * approach  # other elements touch
 
 
+def test_elements_longer_than_the_depth_of_a_lifting_inclusion_are_remarked():
+    """At 1.3 depths, a quarter of the change of the pressure is missing."""
+    shallow = SCENE.replace(inclusion=[GOOD | {"at": [0.0, 0.0, 0.03], "lifts": True}])
+    for scene, expected in ((shallow, True), (shallow.replace(**{"inclusion[0].lifts": False}), 0)):
+        rows = dict(row for section in ts.explain(scene) for row in section.rows)
+        assert ("inclusion 1 is not resolved" in rows["stress around inclusions"]) == expected
+
+
 def test_a_lift_needs_the_measured_gap(coarse):
     flat = ts.Gap(x=[-1.0, 1.0], y=[-1.0, 1.0], separation=[[0.0, 0.0]] * 2)
     scene = lifting(0.0, elements=11).replace(gap=flat, load={"normal": coarse.P})

@@ -184,7 +184,20 @@ class AroundInclusions(_ContactObserver):
     def describe(self, model: Model) -> Iterator[Row]:
         """Yield the rows (label, text) that `explain` prints for the observer."""
         text = "the equivalent inclusion method, with every record; the bodies stay elastic"
-        yield Row("stress around inclusions", text)
+        yield Row("stress around inclusions", f"{text}{self._unresolved(model)}")
+
+    @staticmethod
+    def _unresolved(model: Model) -> str:
+        """Return a remark on inclusions that lift the surface over less than an element, or ""."""
+        inclusions, side = enumerate(model.scene.inclusion), max(model.grid.dx, model.grid.dy)
+        shallow = [k for k, one in inclusions if one.lifts and one.at[2] < side]
+        if not shallow:
+            return ""
+        listed = ", ".join(str(k + 1) for k in shallow)
+        return (
+            f"; the lift of inclusion {listed} is not resolved: its depth is less than an element, "
+            f"{side:.2g} mm; refine grid.elements"
+        )
 
     @cached_property
     def solved(self) -> tuple[tuple[tuple[InclusionStress, ...], float], ...]:
@@ -228,7 +241,7 @@ class AroundInclusions(_ContactObserver):
 
     def remark(self, model: Model) -> str:
         """Return a remark on inclusions that wear has uncovered, or whose lift has not settled."""
-        remark, around = "", self.solved[0][0]
+        remark, around = self._unresolved(model), self.solved[0][0]
         if open_ones := [one.inclusion + 1 for one in around if math.isnan(one.von_mises)]:
             listed = ", ".join(map(str, open_ones))
             remark += f"; wear has uncovered inclusion {listed}, or one beside it"
