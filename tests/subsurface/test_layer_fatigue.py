@@ -148,6 +148,17 @@ def test_each_layer_has_the_damage_of_a_body_of_its_material():
     assert mixed["fatigue_life"][-1, 0] == pytest.approx(upper["fatigue_life"][-1, 0], rel=1e-6)
 
 
+def test_nothing_is_interpolated_across_an_interface_where_all_layers_have_one_strength():
+    strength = {"limit": 300.0, "tolerance": 1.0, "elements": 8} | K
+    common, stated = (
+        ts.roll(balls([COVER], tables, fatigue=strength, wear=WEAR))
+        for tables in (None, [K | {"limit": 300.0}])
+    )
+    for name in ("damage", "utilisation", "fatigue_life", "shakedown_lower"):
+        assert np.array_equal(common[name], stated[name], equal_nan=True), name
+    assert np.array_equal(common.fatigue("A").damage, stated.fatigue("A").damage)
+
+
 @pytest.mark.slow
 def test_worn_layers_take_their_material_along_and_runs_resume(tmp_path):
     """In steps of half of a cover of .3 micrometres, until it is worn through."""

@@ -629,25 +629,36 @@ def find_steel(scene: Any, deepest: float = 3.0, depths: int = 61) -> dict[str, 
             for name in ResidualStress.columns:
                 values = getattr(residual, name)
                 curves[name] = zeta, np.zeros(zeta.size) if values is None else np.array(values)
-        if strength is not None and strength.layer:
-            steel[body] = _find_layered_steel(scene, body, curves)
+        parts = () if strength is None else strength.layer
+        if parts or (scene.fatigue is not None and _distinct_layers(scene, body)):
+            steel[body] = _find_layered_steel(scene, body, parts, curves)
         elif curves:
             steel[body] = Steel(curves)
     return steel
 
 
-def _find_layered_steel(scene: Any, body: str, curves: Mapping[str, Any]) -> LayeredSteel:
-    """Return the strength and life of a body with layers; `curves` of the body below them."""
+def _distinct_layers(scene: Any, body: str) -> int:
+    """Return the number of layers above the last interface at which the elastic constants jump."""
+    return len(getattr(scene.body.responses[body], "layers", ()))
+
+
+def _find_layered_steel(
+    scene: Any, body: str, parts: tuple[LayerStrength, ...], curves: Mapping[str, Any]
+) -> LayeredSteel:
+    """Return the strength and life of a body with layers; `curves` of the body below them.
+
+    Without `parts`, all layers have the strength of the body: only their stress jumps.
+    """
     table = scene.fatigue
-    parts = getattr(table, body).layer
-    layers = tuple(part.find_values(table.criterion, table.sensitivity) for part in parts)
-    common = {"limit": table.limit, "shear_yield": table.shear_yield_stress}
     faces = layered_body(scene, body).interfaces
+    rule, below = (table.criterion, table.sensitivity), (table.cycles, table.exponent, table.knee)
+    own = {} if table.limit is None or "limit" in curves else {"limit": table.limit}
+    layers = tuple(part.find_values(*rule) for part in parts) or (own,) * faces.size
+    lives = tuple(part.find_life(table) for part in parts) or (below,) * faces.size
+    common = {"limit": table.limit, "shear_yield": table.shear_yield_stress}
     ends = np.array([0.0, 2.0 * faces[-1]])  # figures show this depth
     constant = {name: (ends, np.full(2, common[name])) for name in layers[0]}
-    below = table.cycles, table.exponent, table.knee
-    lives = *(part.find_life(table) for part in parts), below
-    distinct = len(getattr(scene.body.responses[body], "layers", ()))
+    distinct = _distinct_layers(scene, body)
     # The equivalent stress of these criteria depends on the stress alone, and not on a strength.
     by_stress = table.criterion in ("dang-van", "crossland", "findley", "orthogonal-shear")
     kinds, groups = [None if by_stress else part.get("shear_yield") for part in layers], [0]
@@ -656,7 +667,7 @@ def _find_layered_steel(scene: Any, body: str, curves: Mapping[str, Any]) -> Lay
         groups.append(groups[-1] + jumps)
     limit = table.limit or 1.0
     return LayeredSteel(
-        constant | dict(curves), faces, layers, lives, tuple(groups), distinct, limit
+        constant | dict(curves), faces, layers, (*lives, below), tuple(groups), distinct, limit
     )
 
 
