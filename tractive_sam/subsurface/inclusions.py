@@ -146,7 +146,7 @@ def around_inclusions(
     Raises
     ------
     ValueError
-        If the scene has a [gap], and a contact must be solved again without a model.
+        If the scene has a [gap] or a roller, and a contact must be solved again without a model.
 
     Examples
     --------
@@ -161,8 +161,9 @@ def around_inclusions(
         if passing.lifting.any() and not passing.is_open:
             if model is None and contact.scene.gap is not None:
                 raise ValueError(
-                    "model: lifts of an inclusion need the measured gap of the scene; "
-                    "give contact.Model(scene, measured), or take the values of ts.roll(scene)"
+                    "model: lifts of an inclusion need the separation of the scene, of [gap] or of "
+                    "a roller's profile; take the values of ts.roll(scene), or give "
+                    "Model(scene, store.read_gap(scene.gap), contact.grid)"
                 )
             solver = model or Model(contact.scene, grid=contact.grid, laws=laws)
             results |= replace(passing, above=passing.lifted(solver)).results()
