@@ -6,6 +6,7 @@
   of its sources; Wang & Knothe, J. Appl. Mech. 60 (1993) 310-317).
 - CPU time of solutions of 181 x 181 elements over those of elastic bodies, on a mesh that was used
   before and on new ones: `python benchmarks/relaxation.py cost`.
+- CPU time of transients over that of the forecast: `python benchmarks/relaxation.py steps`.
 - Random terms on 15 x 15 elements against dense equations, solved by pivots:
   `python benchmarks/relaxation.py hard [NUMBER]`.
 
@@ -22,6 +23,7 @@ from timing import seconds, show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
+from tractive_sam.run.explain import expected_applications, seconds_per_application
 
 # Bodies alike with E* = 1 MPa and R = 100 mm; the loads make the glassy half width 1 mm.
 SPEED = 100.0
@@ -157,6 +159,40 @@ def cost():
             }
 
 
+def steps(count=30):
+    for base, elements in ((SPHERE, 61), (SPHERE, 121), (LINE, 400)):
+        for bodies, terms in (
+            ("AB", []),
+            ("AB", [(1.0, 0.5)]),
+            ("B", [(1.0, 0.5)]),
+            ("AB", [(1.0, 0.5), (0.5, 5.0), (0.5, 0.1)]),
+        ):
+            each = [{"ratio": ratio, "time": length / SPEED} for ratio, length in terms]
+            scene = rolling(base, [], 2.0, elements, friction={"mu": 0.3})
+            load, dx = base.load.normal, 4.0 / elements
+            course = {
+                "distance": [0.0, count * dx],
+                "load.normal": [0.8 * load, load],
+                "creepage.longitudinal": [-2e-3, -2e-3],
+                "start": "steady",
+                "step": dx,
+            }
+            relaxing = {f"body.{body}.relaxation": each for body in bodies} if terms else {}
+            scene = scene.replace(creepage={"speed": SPEED}, transient=course, **relaxing)
+            model = Model(scene)
+            forecast = expected_applications(model) * seconds_per_application(model)
+            began = process_time()
+            ts.roll(scene, progress=False)
+            yield {
+                "contact": "line" if base.line else "point",
+                "elements": elements,
+                "relaxing": bodies if terms else "none",
+                "terms": len(terms),
+                "forecast, s": forecast,
+                "CPU over forecast": (process_time() - began) / forecast,
+            }
+
+
 def by_pivots(matrix, gap, load):
     """Pressure of an active set without wrong elements: all wrong ones change, at last one."""
     active, fewest, since = gap <= np.sort(gap)[gap.size // 3], gap.size + 1, 0
@@ -205,6 +241,7 @@ def main():
         ("relaxation_sphere", spheres),
         ("relaxation_contact", polyamide),
         ("relaxation_cost", cost),
+        ("relaxation_steps", steps),
     ):
         if sys.argv[1:] in ([], [name.removeprefix("relaxation_")]):
             rows = list(compute())

@@ -156,6 +156,18 @@ def test_memory_far_ahead_is_that_of_a_long_mesh():
     assert found == pytest.approx(exact[0, :20], abs=2e-4 * np.abs(exact).max())
 
 
+@pytest.mark.parametrize("scene", [LINE, SPHERE])
+def test_forecast_counts_the_memory(scene):
+    """Each term adds as many convolutions to a step as the forecast says, within a factor of 2."""
+    side = 2.0 * scene.grid.half_length[0] / scene.grid.elements[0]
+    work, added = [], []
+    for terms in ([(0.5, 0.5)], [(0.5, 0.5), (0.5, 0.6)]):
+        course = rolling(relaxing(scene, terms), 3, side=side)
+        work.append(Memory(Model(course)).work_of_steps[1])
+        added.append(ts.roll(course)["convolutions"][2:].mean())
+    assert 0.5 < (added[1] - added[0]) / (work[1] - work[0]) < 2.0
+
+
 @pytest.mark.parametrize(
     ("key", "table"),
     [

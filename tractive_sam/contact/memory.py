@@ -193,6 +193,19 @@ class Memory:
         return np.concatenate((-0.5 - behind[::-1], np.arange(nx), nx - 0.5 + beyond))
 
     @property
+    def work_of_steps(self) -> tuple[float, float]:
+        """Work of making the operators of a step, and of a step with them, in elastic responses.
+
+        Measured on `benchmarks/relaxation.py steps`. An operator takes as long as ten responses to
+        make; it is applied to the pressure and to both tractions. Those of rows take equal times.
+        """
+        nx, sides = self.grid.elements[0], 1 if self.law.datum is None else 2
+        ahead = [max(2, math.ceil(nx / 2**k)) + self.near for k in range(1, self.zones + 1)]
+        lengths = [nx, nx + sides * self.near, *(sides * ahead)]
+        shares = len(lengths) if self.law.datum is not None else sum(lengths) / nx
+        return 20.0 * len(self.terms) * len(lengths), 1.5 * len(self.terms) * shares
+
+    @property
     def at_datum(self) -> np.ndarray:
         """Places at the datum of a line contact, in elements; empty for other contacts."""
         if self.law.datum is None:

@@ -486,10 +486,10 @@ class Process(ABC, Generic[AnyStep]):
     replaces the revolutions."""
     observers: ClassVar[tuple[type[Observer], ...]] = ()
     """Observers of the package that follow it if the scene has their table."""
-    first_applications: ClassVar[float] = 60.0
+    first_applications: float = 60.0
     """Applications of the elastic operator that the first contact of a block typically takes, at a
     tolerance of 1e-8."""
-    next_applications: ClassVar[float] = 20.0
+    next_applications: float = 20.0
     """Applications that each further contact typically takes; it starts from the previous one."""
 
     def __init__(self, model: Model):

@@ -415,6 +415,10 @@ class TransientProcess(Process[Moment]):
     def __init__(self, model: Model):
         super().__init__(model)
         self.courses, self.stepper = Courses(model.scene), Stepper(model)
+        if self.stepper.memory is not None:
+            made, applied = self.stepper.memory.work_of_steps
+            self.first_applications += made
+            self.next_applications += applied
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:

@@ -296,12 +296,12 @@ def expected_applications(model: Model) -> int:
     if stress is not None:
         saved = len(model.scene.schedule.save)
         bodies, depths = len(stress.bodies), saved * len(stress.planes) * stress.elements
-    process, blocks = process_type(model.scene), len(model.blocks)
+    process, blocks = process_of(model), len(model.blocks)
     contacts = process.first_applications + (count - 1) * process.next_applications
     # The coarser meshes for the error bars together take about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
     total = meshes * blocks * (contacts + count * bodies * work.stress)
-    total += count * sum(seen.applications(model) for seen in process_of(model).following)
+    total += count * sum(seen.applications(model) for seen in process.following)
     return round(total + depths * work.plane + count * _fatigue_applications(model))
 
 
