@@ -5,7 +5,11 @@ initial guess, to 1e-8. A scene is rejected with a message if a prescribed force
 of its traction curve or the limit of friction. Costs are applications of operators; applications on
 coarser meshes count in proportion to their elements.
 
+With --discs, the scenes are twin discs with layers and laws so steep that many have no unique
+solution: their cost is bounded.
+
     python benchmarks/falling.py [--scenes 200] [--first 0]
+    python benchmarks/falling.py --discs [--scenes 80] [--first 0]
 
 Page: docs/validation.md
 """
@@ -80,6 +84,48 @@ def falling_scene(seed: int) -> Scene:
     return scene.replace(friction=friction, grid=grid, **changes)
 
 
+def steep_scene(seed: int) -> Scene:
+    """Return twin discs with a steep law on a coarse mesh; they depend only on the seed.
+
+    mu is 0.3-0.9 and falls to 0.01-0.63 of it at sliding speeds of 0.1-60 mm/s, V is 1.2 m/s,
+    creepage is 0.1-3 %, and a layer is 0-1e-4 mm/MPa.
+    """
+    rng = np.random.default_rng(seed)
+    static, elements = rng.uniform(0.3, 0.9), int(rng.choice([25, 31, 37]))
+    friction = {
+        "law": str(rng.choice(["rational", "exponential"])),
+        "static": static,
+        "kinetic": static * 10.0 ** rng.uniform(-2.0, -0.2),
+        "half_speed": 10.0 ** rng.uniform(-1.0, 1.8),
+        "layer": float(rng.choice([0.0, 5e-6, 2e-5, 5e-5, 1e-4])),
+    }
+    disc = {"radius_x": 23.5, "young": 206e3, "poisson": 0.3}
+    return Scene(
+        body={"A": disc | {"radius_y": 50.0}, "B": disc | {"radius_y": math.inf}},
+        load={"normal": 800.0},
+        creepage={"longitudinal": -(10.0 ** rng.uniform(-3.0, -1.5)), "speed": 1200.0},
+        friction=friction,
+        grid={"half_length": (0.35, 0.91), "elements": (elements - 6, elements)},
+    )
+
+
+def solve_steep(seeds: range) -> None:
+    """Solve steep scenes; print how many converge, and the largest number of applications."""
+    results = []
+    for seed in seeds:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            results.append(solved(steep_scene(seed)))
+    costs = [cost for _, cost, _ in results]
+    summary = {
+        "scenes": len(results),
+        "converged": [outcome for outcome, *_ in results].count("converged"),
+        "median applications": float(np.median(costs)),
+        "most applications": max(costs),
+    }
+    show("Twin discs with steep laws", [summary])
+
+
 def constant(scene: Scene) -> Scene:
     """Return the scene with constant friction as at rest."""
     changes = {f"friction.{key}": None for key in LAW}
@@ -100,7 +146,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--discs", action="store_true")
     options = parser.parse_args()
+    if options.discs:
+        solve_steep(range(options.first, options.first + options.scenes))
+        return
     rows = []
     for seed in range(options.first, options.first + options.scenes):
         with warnings.catch_warnings(record=True) as caught:

@@ -64,6 +64,17 @@ def test_contacts_without_a_unique_solution_are_counted_and_named(spheres):
     assert "creepage.longitudinal = -0.00" in note
 
 
+def test_masses_in_another_unit_are_noted(discs):
+    wear = {"coefficient": 1.3e-4, "revolutions": 1, "save": (0, 1), "stepping": "saved"}
+    scene = discs.replace(wear=wear)
+    data = worn_data(ts.roll(scene, progress=False), "A", [1])
+    data["values"]["worn_mass"] = 1e-3 * data["values"]["worn_mass"]  # g where mg are read
+    design = {"scene": scene, "free": ["wear.coefficient"], "data": [data]}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
+    (note,) = [note for note in found.notes if "worn_mass is in mg" in note]
+    assert "0.001 times its first value, 0.00013" in note
+
+
 @pytest.mark.slow
 def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
     truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}
