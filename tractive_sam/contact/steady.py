@@ -20,15 +20,16 @@ import numpy as np
 
 from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact.heat import solve_with_heat
+from tractive_sam.contact.memory import displace
 from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import not_resolved, solve_problem, state_of, traction_of
 from tractive_sam.mechanics import RelaxingBody, RelaxingHalfSpaces
-from tractive_sam.operators import Operators
+from tractive_sam.operators import STAGGERED, Operators
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.scene import FewestElements
 from tractive_sam.schema import required
-from tractive_sam.solvers import Outcome, Problem, Start
+from tractive_sam.solvers import Outcome, Problem, Start, needed
 
 GROWTHS = 8
 """Largest number of enlargements of a mesh that the scene does not fix."""
@@ -563,38 +564,38 @@ def _rolling_resistance(
     return float((pressure * slope).sum() * model.grid.element_area)
 
 
-def _bulk_dissipation(model: Model, fields: np.ndarray) -> dict[str, float]:
+def _bulk_dissipation(model: Model, problem: Problem, outcome: Outcome) -> dict[str, float]:
     """Return the work per distance, N, that each body dissipates inside; empty if none relaxes.
 
-    It is that of dimensionless pressure and tractions, shape (3, n_x, n_y), on the displacements by
-    the memory of the body; see `_rolling_resistance`.
+    It is that of pressure and tractions on the displacements by the memory of the body; see
+    `_rolling_resistance`. Gap and slip of the outcome contain those of both bodies.
     """
     law, units = getattr(model.elasticity, "bodies", model.elasticity), model.units
     if not isinstance(law, RelaxingHalfSpaces):
         return {}
-
-    def dissipate(operators: Operators) -> float:
-        if operators.elasticity.coupled:
-            moved = operators.coupled_displacement(fields)
-        else:
-            moved = np.zeros_like(fields)
-            moved[:1] = operators.normal(fields[:1])
-            if fields[1:].any():
-                moved[1:] = operators.tangential(fields[1:])
-        scale = np.array((units.gap / model.grid.dx, units.slip, units.slip))[:, None, None]
-        total = float((fields * scale * np.gradient(moved, axis=1)).sum())
-        return 0.0 - units.pressure * model.grid.element_area * total
-
+    found = outcome.fields
+    fields = np.concatenate((found.pressure[None], found.traction))
+    scale = np.array((units.gap / model.grid.dx, units.slip, units.slip))[:, None, None]
+    scale *= units.pressure * model.grid.element_area
     bodies: dict[str, Any] = {"A": law.A, "B": law.B}
     relaxing = [name for name, body in bodies.items() if isinstance(body, RelaxingBody)]
     if len(relaxing) == 1 or law.A == law.B:
-        each = dissipate(model.operators) / len(relaxing)
+        change, moved = np.empty_like(fields), found.gap - problem.free_pressure.gap
+        if problem.wear is not None:
+            moved -= problem.wear(found.pressure, found.traction, found.slip)
+        change[0] = np.gradient(moved, axis=0)
+        slip = found.slip - problem.rigid
+        if len(problem.forces):
+            slip -= problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
+        change[1:] = -STAGGERED.at_centres(slip)
+        each = (0.0 - float((fields * scale * change).sum())) / len(relaxing)
         return {name: each if name in relaxing else 0.0 for name in bodies}
-    scales = units.gap / units.pressure, units.slip / units.pressure, model.frame
     work = {}
     for name, other in ("AB", "BA"):
         single = replace(law, **{other: bodies[other].body})
-        work[name] = dissipate(Operators(model.operators.lattice, single, *scales))
+        scales = units.gap / units.pressure, units.slip / units.pressure, model.frame
+        moved = displace(Operators(model.operators.lattice, single, *scales), fields)
+        work[name] = 0.0 - float((fields * scale * np.gradient(moved, axis=1)).sum())
     return work
 
 
@@ -630,5 +631,5 @@ def _to_state(
     resistance = _rolling_resistance(model, pressure, gap, depth)
     resistance += _work_beyond_creepage(model, traction)
     contact = state_of(model, problem, outcome, slip, creepages, depth, resistance, describe_other)
-    bulk = _bulk_dissipation(model, np.concatenate((fields.pressure[None], fields.traction)))
+    bulk = _bulk_dissipation(model, problem, outcome)
     return replace(contact, bulk_dissipation=bulk) if bulk else contact
