@@ -313,8 +313,8 @@ class EigenstrainBox:
         depth, across = self.depth[filled[0]], list[np.ndarray]()
         for side, k, n in zip(self.sides[1:], filled[1:], self.shape[1:], strict=True):
             across.append(side * (k - 0.5 * (n - 1)))
-        lift = np.empty((sources.shape[1], x.size))
-        for part in np.array_split(np.arange(x.size), math.ceil(x.size * depth.size / 4e3) or 1):
+        lift, points = np.empty((sources.shape[1], x.size)), [*_gauss_points(2)]
+        for part in np.array_split(np.arange(x.size), math.ceil(x.size * depth.size / 1.6e4) or 1):
             stress = sum(
                 weight
                 * _stress_of_force(
@@ -323,9 +323,7 @@ class EigenstrainBox:
                     depth + w,
                     self.poisson,
                 )
-                for (w, u, v), weight in (
-                    (point * self.sides, weight) for point, weight in _gauss_points(2)
-                )
+                for (w, u, v), weight in ((point * self.sides, weight) for point, weight in points)
             )
             lift[:, part] = -np.einsum("c,cpk,cnk->np", weights, stress, sources, optimize=True)
         return lift.reshape(*shape, x.size)
@@ -333,9 +331,10 @@ class EigenstrainBox:
 
 def _stress_of_force(x: np.ndarray, y: np.ndarray, z: np.ndarray, poisson: float) -> np.ndarray:
     """Return the stress (6, ...) by a unit force into the surface at the origin (Boussinesq)."""
-    r = np.sqrt(x * x + y * y + z * z)
-    share, down = 1.0 / (2.0 * math.pi * r**3), 3.0 * z / (r * r)
-    first = (1.0 - 2.0 * poisson) * (z - r * r / (r + z))
+    square = x * x + y * y + z * z
+    r = np.sqrt(square)  # no power of 3, which takes as long as all the rest
+    share, down = 0.5 / math.pi / (square * r), 3.0 * z / square
+    first = (1.0 - 2.0 * poisson) * (z - square / (r + z))
     across = (1.0 - 2.0 * poisson) * (2.0 * r + z) / (r + z) ** 2 - down
     stress = [first + across * x * x, first + across * y * y, -down * z * z, across * x * y]
     return share * np.stack([*stress, -down * x * z, -down * y * z])
