@@ -40,6 +40,21 @@ def test_friction_and_layer_return_from_data_without_noise(spheres):
     assert found.scene.friction.mu == pytest.approx((0.35, 0.35), rel=EXACT)
 
 
+def test_the_progress_and_the_result_have_one_chi_square(spheres):
+    """It is the one of the data, without the prior, for the noise at the prediction."""
+    factors = np.array([1.05, 0.96, 1.03, 0.98])
+    data = creep_data(spheres, {"friction.mu": 0.35}, factors=factors)
+    prior = {"key": "friction.mu", "start": 0.35, "prior": [0.5, 0.05]}
+    design = {"scene": spheres, "free": ["friction.mu"], "parameter": [prior], "data": [data]}
+    progress = []
+    found = ts.fit(
+        design | {"mesh_check": False, "curve": 0},
+        progress=lambda done: progress.extend(chi2 for _, chi2 in done.searched[-1:]),
+    )
+    # The search ends at changes by 3 % of a standard deviation.
+    assert progress[-1] == pytest.approx(found.chi2, rel=0.01)
+
+
 @pytest.mark.slow
 def test_falling_friction_law_returns_from_data_without_noise(spheres):
     truth = {"friction.static": 0.5, "friction.kinetic": 0.25, "friction.half_speed": 20.0}
