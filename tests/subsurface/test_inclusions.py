@@ -517,6 +517,8 @@ def test_inclusions_need_a_uniform_body_and_their_own_place():
     with pytest.raises(ts.SceneError) as error:
         ts.Scene.builtin("fretting").replace(inclusion=[GOOD])
     assert "inclusion" in [fault.key for fault in error.value.faults]
+    with pytest.raises(ts.SceneError, match="3 mm wide"):
+        SCENE.replace(inclusion=[GOOD | {"at": [0.0, 1.49, 0.1]}], **{"body.A.width": 3.0})
     coated = {"body.A.layer": [{"thickness": 0.1, "young": 300e3, "poisson": 0.2}]}
     with pytest.raises(ts.SceneError) as error:
         SCENE.replace(inclusion=[GOOD | {"body": "A"}], **coated)

@@ -237,6 +237,10 @@ def check_inclusions(entries: ValidEntries) -> Iterator[Fault]:
                 )
                 if is_so
             )
+        width = getattr(entries["body"], one.body).width
+        if width is not None and abs(one.at[1]) + one.half[1] > 0.5 * width:
+            cure = f"y within {0.5 * width - one.half[1]:g} mm of 0: the body is {width:g} mm wide"
+            yield Fault(f"inclusion[{k}].at", shorten(list(one.at)), cure)
         if not isinstance(entries["body"].responses[one.body], Material):
             cure = "a body of young or shear and poisson, without layers or stiffness"
             yield Fault(f"inclusion[{k}].body", one.body, cure)
