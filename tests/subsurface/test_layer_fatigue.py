@@ -9,7 +9,7 @@ import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.mechanics import hertz
 from tractive_sam.results import BodyFatigue
-from tractive_sam.rolling.body_damage import damage_remark
+from tractive_sam.rolling.body_damage import damage_remark, stressed_volume
 from tractive_sam.schema import SceneWarning
 from tractive_sam.studies import cases
 from tractive_sam.subsurface import cycle_depths
@@ -157,6 +157,13 @@ def test_nothing_is_interpolated_across_an_interface_where_all_layers_have_one_s
     for name in ("damage", "utilisation", "fatigue_life", "shakedown_lower"):
         assert np.array_equal(common[name], stated[name], equal_nan=True), name
     assert np.array_equal(common.fatigue("A").damage, stated.fatigue("A").damage)
+
+
+def test_the_stressed_volume_of_layers_is_that_of_their_stress():
+    scene = balls([COVER], None, fatigue=K | {"volume": {"slope": 1.5}})
+    history = ts.roll(scene)
+    found = stressed_volume(history.fatigue("A"), scene, ts.VolumeLife(slope=1.5))
+    assert history["stressed_volume"][0, 0] == pytest.approx(found, rel=1e-12)  # rounding
 
 
 @pytest.mark.slow

@@ -360,9 +360,10 @@ class BodyDamage:
             life = Woehler(*steel.lives[int(steel.layer_at(at[2]))])
         return top * life.relative_error(error)
 
-    def of_block(self, block: int) -> np.ndarray:
-        """Return the utilisation in a block, (n_y, n)."""
-        fatigue, used = self.fatigue, self.utilisation[block]
+    @property
+    def blocks(self) -> np.ndarray:
+        """Utilisation in each block at the depths of the cycle, (blocks, n_y, n)."""
+        fatigue, used = self.fatigue, self.utilisation
         if fatigue.steel is None:
             return used
         layer = fatigue.local_layer.astype(int)
@@ -721,7 +722,7 @@ def _volume_columns(
     for body, part in bodies.items():
         volumes = [
             stressed_volume(replace(part.fatigue, utilisation=used), model.scene, law)
-            for used in part.utilisation
+            for used in part.blocks
         ]
         lives = [law.life(volume, survival) for volume in volumes]
         used = sum(share / each for share, each in zip(model.weights, lives, strict=True))
@@ -795,7 +796,7 @@ def surface_density_ratios(
     return {
         body: max(
             law.surface_density_ratio(damage.fatigue.depth, used * limit)
-            for used in damage.utilisation
+            for used in damage.blocks
         )
         for body, damage in bodies.items()
     }

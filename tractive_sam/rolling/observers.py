@@ -469,7 +469,7 @@ class Damage(Observer):
     def record_block(self, block: int) -> dict[str, Any]:
         """Return the columns of the largest utilisation in a block, by name and body."""
         each = self.bodies.items()
-        cycles = {k: replace(d.fatigue, utilisation=d.of_block(block)) for k, d in each}
+        cycles = {k: replace(d.fatigue, utilisation=d.blocks[block]) for k, d in each}
         return utilisation_columns(cycles)
 
     def restore(self, passage: Passage, stored: StoredStep) -> Self:
