@@ -795,8 +795,7 @@ def surface_density_ratios(
     limit = required(_table(model.scene).limit, "fatigue.limit")
     return {
         body: max(
-            law.surface_density_ratio(damage.fatigue.depth, used * limit)
-            for used in damage.blocks
+            law.surface_density_ratio(damage.fatigue.depth, used * limit) for used in damage.blocks
         )
         for body, damage in bodies.items()
     }

@@ -501,7 +501,7 @@ class Damage(Observer):
             ).with_damage(zeta, damage, worn)
             passes, began = passage.turns[0].per_count[body], float(initiation[body])
             restored = BodyDamage(fatigue, used, before, rate, passes, error, began)
-            largest = np.max([restored.of_block(k) for k in range(len(used))], axis=0)
+            largest = np.max([restored.blocks[k] for k in range(len(used))], axis=0)
             bodies[body] = replace(restored, fatigue=replace(fatigue, utilisation=largest))
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 
