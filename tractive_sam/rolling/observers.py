@@ -166,8 +166,8 @@ class AroundInclusions(_ContactObserver):
         rest.
         """
         inclusions = model.scene.inclusion
-        box = 1.7e3 * max(InclusionGroup.transformed_cells(inclusions))
         lifted = any(one.lifts for one in inclusions)
+        box = (1.7e3 + 0.3e3 * lifted) * max(InclusionGroup.transformed_cells(inclusions))
         return box + lifted * LiftedPass.fields * 8.0 * math.prod(model.grid.elements)
 
     def applications(self, model: Model) -> float:
