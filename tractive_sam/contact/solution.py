@@ -109,8 +109,9 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
     if not model.friction_law.falls:
         return reached + model.method.cure
     return (
-        f"{reached}{model.method.cure}; if friction falls too fast with sliding, increase "
-        "friction.memory or friction.half_speed, or coarsen the mesh if there is a friction.layer"
+        f"{reached}friction may fall too fast with sliding: increase friction.memory or "
+        "friction.half_speed, or coarsen the mesh if there is a friction.layer; otherwise, "
+        f"{model.method.cure}"
     )
 
 

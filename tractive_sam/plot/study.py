@@ -251,6 +251,9 @@ def _label_axes(axes: Axes, x: Variable, y: Variable) -> None:
     axes.set(xlabel=x.label, ylabel=y.label)
     if x.logarithmic:
         axes.set_xscale("log")
+        if x.values.size <= 6:  # labels between the powers of ten would overlap
+            axes.set_xticks(x.places, x.texts)
+            axes.xaxis.set_minor_formatter("")
     elif x.numeric:
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     if not y.numeric:
