@@ -1,13 +1,15 @@
 """Fatigue by the material of each layer: limits in which it is known, interfaces, and wear."""
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tractive_sam as ts
 from tests.scenes import interrupted
-from tractive_sam.mechanics import hertz
+from tractive_sam.contact import Laws
+from tractive_sam.mechanics import HalfSpaces, hertz
 from tractive_sam.results import BodyFatigue
 from tractive_sam.rolling.body_damage import damage_remark, stressed_volume
 from tractive_sam.schema import SceneWarning
@@ -186,6 +188,15 @@ def test_worn_layers_take_their_material_along_and_runs_resume(tmp_path):
     assert after.local_limit.min() == 900.0
     # The surface is that of the body below: the damage of the cover went with it.
     assert history["damage"][-1, 0] < history["damage"][:, 0].max()
+
+
+def test_a_run_with_another_law_of_elasticity_resumes(tmp_path):
+    fatigue = {"limit": 300.0, "tolerance": 1.0, "elements": 8}
+    scene = balls([COVER], None, fatigue=fatigue, wear=WEAR)
+    laws = replace(Laws.of_package(scene), elasticity=HalfSpaces(**scene.materials))
+    interrupted(scene, tmp_path / "run.h5", 3, laws=laws)
+    resumed = ts.roll(scene, tmp_path / "run.h5", resume=True, laws=laws)
+    assert np.array_equal(resumed["damage"], ts.roll(scene, laws=laws)["damage"], equal_nan=True)
 
 
 def test_an_extreme_curve_is_reported_without_a_warning():

@@ -439,7 +439,9 @@ class Damage(Observer):
                 ("damage_error", damage.error),
                 ("residual_shear", damage.fatigue.residual_shear),
                 ("path_radius", damage.fatigue.path_radius),
+                ("local_layer", damage.fatigue.local_layer),
             )
+            if values.size
         }
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
@@ -495,13 +497,16 @@ class Damage(Observer):
                 widen_rows(state.get(f"{name}_{body}", missing), grid.elements[1])
                 for name in ("residual_shear", "path_radius")
             )
-            local = LocalSteel.from_contact(passage.contact, body, depth, worn).fields()
+            layer = state.get(f"local_layer_{body}")
+            local = LocalSteel.from_contact(
+                passage.contact, body, depth, worn, layer=layer
+            ).fields()
             fatigue = BodyFatigue(
                 body, grid.y, depth, used[0], shear, radius, None, shear_yield, **local
             ).with_damage(zeta, damage, worn)
             passes, began = passage.turns[0].per_count[body], float(initiation[body])
             restored = BodyDamage(fatigue, used, before, rate, passes, error, began)
-            largest = np.max([restored.blocks[k] for k in range(len(used))], axis=0)
+            largest = restored.blocks.max(axis=0)
             bodies[body] = replace(restored, fatigue=replace(fatigue, utilisation=largest))
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 

@@ -145,10 +145,12 @@ class LocalSteel:
         depths: np.ndarray,
         worn: np.ndarray,
         laws: Laws | None = None,
+        layer: np.ndarray | None = None,
     ) -> "LocalSteel":
         """Return the steel below rows worn by `worn` (n_y,), at depths (n,), mm.
 
         With layers, `laws` have those that wear has left; by default they are those of the contact.
+        If the numbers of the `layer` (n_y, n) there are stored, the laws need not be known.
         """
         table, steel = fatigue_table(contact), contact.scene.steel.get(body, Steel())
         common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
@@ -161,12 +163,16 @@ class LocalSteel:
         local = cls(steel.stress(zeta), limit, k, common, varies, has_factor)
         if not isinstance(steel, LayeredSteel):
             return local
-        elastic = (laws or Laws.of_contact(contact, ("elasticity",))).elasticity.single_body(body)
-        faces = getattr(getattr(elastic, "A", None), "interfaces", np.zeros(0))
-        lost = steel.distinct - faces.size
-        # Either wear removed the upper layers, or the laws have other layers than the scene.
-        is_known = not lost or contact.scene.has("wear.layer_step")
-        layer = steel.layer_at(zeta, lost + np.searchsorted(faces, depths) if is_known else None)
+        if layer is None:
+            known = laws or Laws.of_contact(contact, ("elasticity",))
+            elastic = known.elasticity.single_body(body)
+            faces = getattr(getattr(elastic, "A", None), "interfaces", np.zeros(0))
+            lost = steel.distinct - faces.size
+            # Either wear removed the upper layers, or the laws have other layers than the scene.
+            is_known = not lost or contact.scene.has("wear.layer_step")
+            below = lost + np.searchsorted(faces, depths)
+            layer = steel.layer_at(zeta, below if is_known else None)
+        layer = layer.astype(int)
         limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
         own = np.full(zeta.shape, steel.common_limit) if limit is None else limit
         k = local.shear_yield if k is None else k
