@@ -12,6 +12,7 @@ from tractive_sam.contact import Laws
 from tractive_sam.mechanics import HalfSpaces, hertz
 from tractive_sam.results import BodyFatigue
 from tractive_sam.rolling.body_damage import damage_remark, stressed_volume
+from tractive_sam.rolling.process import StoredStep
 from tractive_sam.schema import SceneWarning
 from tractive_sam.studies import cases
 from tractive_sam.subsurface import cycle_depths
@@ -166,6 +167,32 @@ def test_the_stressed_volume_of_layers_is_that_of_their_stress():
     history = ts.roll(scene)
     found = stressed_volume(history.fatigue("A"), scene, ts.VolumeLife(slope=1.5))
     assert history["stressed_volume"][0, 0] == pytest.approx(found, rel=1e-12)  # rounding
+
+
+def test_a_file_with_one_profile_through_all_layers_resumes_as_one_with_a_profile_of_each(
+    tmp_path, monkeypatch
+):
+    """Earlier versions stored one: it has both sides of each interface, and nothing is lost."""
+    wear = WEAR | {"revolutions": 20, "save": [20]}
+    scene = balls([COVER], None, fatigue={"tolerance": 1.0, "elements": 8}, wear=wear)
+    path, state_of = tmp_path / "run.h5", StoredStep.state_of
+    interrupted(scene, path, 2)
+
+    def earlier(step, observer):
+        stored = state_of(step, observer)
+        state = {name: stored[name] for name in step.state_under(observer.name)}
+        for name in ("utilisation_A", "utilisation_before_A"):
+            depth = state["depth_A"]
+            assert state[name].shape[-1] == 2 * depth.size
+            upper, lower = np.split(state[name], 2, axis=-1)
+            state[name] = np.where(depth <= COVER["thickness"], upper, lower)
+        return state
+
+    monkeypatch.setattr(StoredStep, "state_of", earlier)
+    resumed, straight = ts.roll(scene, path, resume=True), ts.roll(scene)
+    for name in ("damage", "utilisation", "fatigue_life"):
+        assert np.array_equal(resumed[name], straight[name], equal_nan=True), name
+    assert np.array_equal(resumed.fatigue("A").damage, straight.fatigue("A").damage)
 
 
 @pytest.mark.slow

@@ -504,11 +504,21 @@ class Damage(Observer):
             fatigue = BodyFatigue(
                 body, grid.y, depth, used[0], shear, radius, None, shear_yield, **local
             ).with_damage(zeta, damage, worn)
+            used, before = (_profiles_of_layers(fatigue, values) for values in (used, before))
             passes, began = passage.turns[0].per_count[body], float(initiation[body])
             restored = BodyDamage(fatigue, used, before, rate, passes, error, began)
             largest = restored.blocks.max(axis=0)
             bodies[body] = replace(restored, fatigue=replace(fatigue, utilisation=largest))
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
+
+
+def _profiles_of_layers(fatigue: BodyFatigue, stored: np.ndarray) -> np.ndarray:
+    """Return stored utilisations by groups of layers; earlier versions stored one profile."""
+    steel, depth = fatigue.steel, fatigue.depth
+    if steel is None or not any(steel.groups) or stored.shape[-1] > depth.size:
+        return stored
+    share = fatigue.local_limit / steel.common_limit
+    return steel.stack(depth, stored * share, fatigue.local_layer.astype(int))
 
 
 def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
