@@ -173,7 +173,7 @@ def test_a_file_with_one_profile_through_all_layers_resumes_as_one_with_a_profil
     tmp_path, monkeypatch
 ):
     """Earlier versions stored one: it has both sides of each interface, and nothing is lost."""
-    wear = WEAR | {"revolutions": 20, "save": [20]}
+    wear = WEAR | {"revolutions": 5, "save": [5]}
     scene = balls([COVER], None, fatigue={"tolerance": 1.0, "elements": 8}, wear=wear)
     path, state_of = tmp_path / "run.h5", StoredStep.state_of
     interrupted(scene, path, 2)
@@ -193,6 +193,17 @@ def test_a_file_with_one_profile_through_all_layers_resumes_as_one_with_a_profil
     for name in ("damage", "utilisation", "fatigue_life"):
         assert np.array_equal(resumed[name], straight[name], equal_nan=True), name
     assert np.array_equal(resumed.fatigue("A").damage, straight.fatigue("A").damage)
+
+
+@pytest.mark.parametrize("layers", [[], [COVER]])
+def test_wear_without_a_fatigue_limit_resumes(layers, tmp_path):
+    """Without a fatigue limit, there is no damage: the stored one is nan."""
+    wear, path = WEAR | {"revolutions": 3, "save": [3]}, tmp_path / "run.h5"
+    scene = balls(layers, None, fatigue=K | {"limit": None, "elements": 8}, wear=wear)
+    interrupted(scene, path, 2)
+    resumed, straight = ts.roll(scene, path, resume=True), ts.roll(scene)
+    assert resumed.finished
+    assert np.array_equal(resumed["shakedown_lower"], straight["shakedown_lower"], equal_nan=True)
 
 
 @pytest.mark.slow

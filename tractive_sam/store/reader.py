@@ -180,6 +180,7 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
     with open_results(Path(path)) as file:
         if file.version == 1:
             fields = _read_legacy_state(file, row)
+            names = list(fields)
         else:
             stored_row = int(file.attribute("state", "record")) if file.records else -1
             if stored_row != row:
@@ -192,10 +193,13 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
                 name for name in file.names("state") if name not in (*names, "block", "x", "y")
             )
             fields |= {name: file.all_numbers(f"state/{name}") for name in arrays}
+    # An observer stores only nan for damage without a limit.
     lost = [
         name
-        for name in fields
-        if not PACKAGE_FIELDS.get(name, BOUND).outside and not np.isfinite(fields[name]).all()
+        for name, values in fields.items()
+        if not PACKAGE_FIELDS.get(name, BOUND).outside
+        and not np.isfinite(values).all()
+        and (name in names or not np.isnan(values).all())
     ]
     if lost:
         fault = f"{', '.join(lost)} of record {row} are not finite"
