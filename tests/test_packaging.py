@@ -3,6 +3,7 @@
 import re
 import runpy
 import tomllib
+import zlib
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -36,6 +37,13 @@ def test_files_agree_on_the_version(newest_release):
     assert f"version = {{{version}}}" in (ROOT / "docs" / "citing.md").read_text("utf-8")
     built = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["hatch"]["version"]
     assert built["fallback-version"] == built["raw-options"]["fallback_version"] == version
+
+
+def test_a_wheel_has_less_than_four_megabytes():
+    package = Path(import_module("tractive_sam").__file__).parent
+    files = (p for p in package.rglob("*") if p.is_file() and "__pycache__" not in p.parts)
+    # Each file is compressed; its entries in the archive and in RECORD take 200 bytes.
+    assert sum(len(zlib.compress(file.read_bytes())) + 200 for file in files) < 4e6
 
 
 def test_pyinstaller_bundles_modules_that_are_loaded_when_first_used(project, monkeypatch):
