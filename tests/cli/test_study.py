@@ -1,5 +1,6 @@
 import csv
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -54,6 +55,8 @@ def test_study_and_its_table(call, file):
     assert run.exit_code == 2
     assert f"tractive-sam study {file.name}" in run.stderr.replace(str(file), file.name)
     assert call("show", "done").stdout == shown.stdout
+    Path("done").rename("done.nc")  # a folder with the ending of a file
+    assert call("show", "done.nc").stdout == shown.stdout
 
 
 def test_studies_of_transients_report_shifts_and_work(call, folder):

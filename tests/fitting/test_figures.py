@@ -78,3 +78,12 @@ def test_ellipses_end_at_the_bounds_of_their_parameters():
     x, y = np.concatenate([line.get_xydata() for line in figure.axes[0].lines]).T
     assert (x.min(), x.max()) == (0.0, 0.3)
     assert y.min() < 0.0
+
+
+def test_ellipses_state_how_many_parameters_they_leave_out():
+    names = [f"p{k}" for k in range(6)]
+    for count, texts in ((5, [""]), (6, ["5 of 6\nparameters"])):
+        sizes = np.ones(count), np.ones(count)
+        figure = plot.confidence_ellipses(names[:count], *sizes, np.eye(count))
+        legends = [axes.get_legend() for axes in figure.axes]
+        assert [one.get_title().get_text() for one in legends if one] == texts

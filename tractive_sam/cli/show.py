@@ -51,7 +51,7 @@ def show(
     """
     if as_json and as_csv:
         raise invalid_exit("--json and --csv: use one of them")
-    if file.suffix == ".nc" and not file.is_file():
+    if file.suffix == ".nc" and not file.exists():
         cure = "tractive-sam fit and tractive-sam table write result files"
         raise invalid_exit(f"{file} does not exist; {cure}")
     document = ts.open_any(file)

@@ -635,7 +635,8 @@ def confidence_ellipses(
                 axes.set_ylabel(names[row] if count <= 3 else names[row].replace(".", ".\n"))
     handles, labels = panels[0, 0].get_legend_handles_labels()
     if count > 2:
-        panels[0, -1].legend(handles, labels, loc="center")
+        left_out = f"{count} of {len(names)}\nparameters" if count < len(names) else None
+        panels[0, -1].legend(handles, labels, loc="center", title=left_out)
     else:  # an ellipse leaves these corners empty
         corner = "upper left" if correlation[0, 1] >= 0.0 else "upper right"
         panels[0, 0].legend(loc=corner, fontsize=9, borderaxespad=0.2)
