@@ -1,8 +1,8 @@
-"""Wheel and rail: what CONTACT prints for positions of the Manchester benchmark, case A2.2.
+"""Wheel and rail: what CONTACT prints for the Manchester benchmark, and conicities of EN 15302.
 
-Shackleton & Iwnicki 2008 (Vehicle System Dynamics 46, 129-149): S1002 on UIC 60, 10 kN, G = 82 GPa,
-nu = 0.28, mu = 0.3, elements of 0.2 mm and slip of first order. The printed creepages are relative
-to the contact point of CONTACT, with the opposite sign.
+Case A2.2 of Shackleton & Iwnicki 2008 (Vehicle System Dynamics 46, 129-149): S1002 on UIC 60,
+10 kN, G = 82 GPa, nu = 0.28, mu = 0.3, elements of 0.2 mm and slip of first order. The printed
+creepages are relative to the contact point of CONTACT, with the opposite sign.
 """
 
 import math
@@ -15,7 +15,7 @@ import numpy as np
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium, share_load, solve_patches_on_fitted_mesh
-from tractive_sam.rail import Patch, Profile
+from tractive_sam.rail import ContactLocus, Patch, Profile
 from tractive_sam.validation.closed_forms import STEEL
 from tractive_sam.validation.comparison import Comparison, PublishedSet, compare
 
@@ -220,14 +220,75 @@ def patches_as_printed(number: int) -> Iterator[Comparison]:
     return _compare_with_printed(computed, PATCHES[number][1])
 
 
-MANCHESTER = "Shackleton and Iwnicki 2008, case A2.2; printed by CONTACT"
+@dataclass(frozen=True)
+class ReferenceCase:
+    """A symmetric reference case of EN 15302, Annex E: wheels of 920 mm, contacts 1500 mm apart.
+
+    `differences` are rolling radius differences at y = 0.1, 0.2, ... 6.8 mm, in micrometres, and
+    `conicities` are tan gamma_e for the amplitudes 1, 2, ... 6 mm.
+    """
+
+    title: str
+    differences: str
+    conicities: tuple[str, ...]
+
+    @property
+    def locus(self) -> ContactLocus:
+        """The contact locus with these differences; it has no contact points."""
+        half = 1e-3 * np.array(self.differences.split(), float)
+        difference = np.concatenate((-half[::-1], [0.0], half))
+        n = difference.size
+        points, pairs, none = np.zeros((2, n, 3)), np.zeros((2, n, 2)), np.zeros((2, n))
+        return ContactLocus(
+            y=np.linspace(-0.1 * half.size, 0.1 * half.size, n),
+            roll=none[0],
+            points=points,
+            wheel=pairs,
+            rail=pairs,
+            angle=none,
+            radius=460.0 + 0.5 * np.array([difference, -difference]),
+            jumps=np.zeros(n, bool),
+            nominal_radius=460.0,
+            tape_distance=1500.0,
+        )
+
+
+# Typed from the standard in the test data of B_ECC-Equivalent-Conicity-Calculation
+# (github.com/criogenox).
+REFERENCE_CASES = (
+    ReferenceCase(
+        "wheel A on rail A",
+        "32 51 71 92 116 142 167 197 227 257 292 328 361 402 443 481 527 574 616 667 719 766 822 "
+        "879 931 992 1055 1111 1177 1236 1299 1346 1407 1471 1539 1598 1673 1752 1834 1906 1995 "
+        "2088 2185 2286 2373 2481 2593 2709 2808 2931 3058 3189 3324 3440 3582 3729 3879 4008 4166 "
+        "4328 4494 4636 5064 5692 6521 7597 9010 10954",
+        ("0.125", "0.155", "0.188", "0.216", "0.254", "0.303"),
+    ),
+    ReferenceCase(
+        "wheel B on rail A",
+        "5 10 15 20 25 30 35 40 45 50 55 60 65 70 75 80 85 90 95 100 105 110 115 120 125 130 135 "
+        "140 145 1950 2003 2057 2112 2167 2224 2281 2339 2397 2457 2517 2578 2640 2702 2766 2830 "
+        "2895 2961 3027 3095 3163 3232 3302 3372 3444 3516 3589 3663 3737 3813 3889 3966 4044 4123 "
+        "5392 6111 7050 8270 9895",
+        ("0.025", "0.025", "0.058", "0.241", "0.283", "0.302"),
+    ),
+)
+
+
+def conicities_of_the_standard(case: ReferenceCase) -> Iterator[Comparison]:
+    """Yield equivalent conicities by Klingel's motion, for amplitudes from 1 mm on."""
+    for amplitude, printed in enumerate(case.conicities, 1):
+        computed = case.locus.klingel_conicity(amplitude)
+        yield compare(f"tan gamma_e, amplitude {amplitude} mm", printed, computed, 1e-3)
+
+
 CHOICES = "1 %: CONTACT samples the profiles in steps of an element"
 
 SETS = (
     *(
         PublishedSet(
             f"S1002 on UIC 60, wheelset at y = {position.y:g} mm, {position.side} wheel",
-            MANCHESTER,
+            "Shackleton and Iwnicki 2008, case A2.2; printed by CONTACT",
             partial(position_as_printed, position),
             CHOICES,
             quick=position.y in (1.5, 6.0),
@@ -243,5 +304,14 @@ SETS = (
             quick=False,
         )
         for number, name in enumerate(("flange root", "tread"))
+    ),
+    *(
+        PublishedSet(
+            f"Equivalent conicity from the rolling radius difference, {case.title}",
+            "EN 15302:2008+A1:2010, Annex E",
+            partial(conicities_of_the_standard, case),
+            "0.1 %: differences in micrometres, in steps of 0.1 mm",
+        )
+        for case in REFERENCE_CASES
     ),
 )
