@@ -70,7 +70,8 @@ class LayeredSteel(Steel):
     layers : tuple of mapping of str to float
         "limit" and "shear_yield" of each layer, MPa; all layers have the same names.
     lives : tuple of (float, float, bool)
-        Parameters of `Woehler` for each layer and for the body below.
+        Cycles, exponent and knee of `Woehler` for each layer and for the body below. Reading a
+        scene thus loads no compiled kernels of fatigue.
     groups : tuple of int
         Group of each layer and of the body below: in a group the equivalent stress of the criterion
         is continuous.
