@@ -745,7 +745,7 @@ def sample_distribution(
         The percentiles, 0 to 100.
     quantiles : ndarray, shape (3, k)
         Their values, and the low and high ends of their intervals; ends beyond the samples are
-        drawn at the outermost samples.
+        arrows at the outermost samples.
     label : str
         Label of the quantity, with its unit.
     title : str
@@ -765,6 +765,9 @@ def sample_distribution(
     reach = np.maximum([middle - low, high - middle], 0.0)
     look: dict[str, Any] = {"color": LOOK.vermillion, "capsize": 2.0, "zorder": 3}
     axes.errorbar(middle, percentiles, xerr=reach, fmt="o", label="percentiles", **look)
+    for end, limits, marker in ((low, quantiles[1], "<"), (high, quantiles[2], ">")):
+        beyond = limits != end
+        axes.plot(end[beyond], percentiles[beyond], marker, color=LOOK.vermillion, zorder=3)
     if _spans_decades(rising):
         axes.set_xscale("log")
     axes.set(ylim=(0.0, 100.0), xlabel=fill(label, 40), ylabel="share of samples below (%)")
