@@ -16,6 +16,7 @@ from tractive_sam.cli.program import app
 from tractive_sam.fitting import case, percentiles
 from tractive_sam.fitting.distributions import Input, Uncertain
 from tractive_sam.fitting.fit_file import write_fit
+from tractive_sam.fitting.response import label_of
 from tractive_sam.store import ResultsError, write_netcdf
 from tractive_sam.studies import SchedulerLostError, cluster
 
@@ -583,3 +584,13 @@ def test_workers_of_a_scheduler_compute_the_same(slipping, tmp_path, monkeypatch
     )
     with pytest.raises(SchedulerLostError, match=r"127\.0\.0\.1:9"):
         ts.spread(design_of(slipping, seed=1), scheduler="tcp://127.0.0.1:9")
+
+
+def test_labels_of_outcomes_have_symbols_bodies_and_units_of_the_scene():
+    scene = ts.Scene.builtin("cylinders")
+    labels = [label_of(name, scene) for name in ("Qx", "worn_mass A at 5", "p_max, scene 2")]
+    assert labels == [
+        "$Q_x$ (N/mm)",
+        "worn mass of body A at 5 (mg/mm)",
+        r"$p_\mathrm{max}$, scene 2 (MPa)",
+    ]

@@ -54,6 +54,9 @@ def test_the_distribution_of_samples_rises_to_its_percentiles():
     np.testing.assert_allclose(np.interp([1.25, 1.5], x, shares), [25.25, 50.0], atol=0.1)
     ends = [segment[:, 0] for segment in axes.collections[0].get_segments()]
     np.testing.assert_allclose(ends, [[1.0, 1.1], [1.4, 1.6]])  # cut off at the samples
+    arrows = {line.get_marker(): line.get_xdata() for line in axes.lines}
+    np.testing.assert_allclose(arrows["<"], [1.0])
+    assert not arrows[">"].size
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("p (MPa)", "share of samples below (%)")
 
 

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from tractive_sam.description import Description, Section, format_duration
+from tractive_sam.description import Description, Section, format_duration, format_with_unit
 from tractive_sam.fitting.case import Evaluations, FitCase, exact_columns, is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import FitDesign, Parameters
 from tractive_sam.fitting.distributions import SpreadDesign
 from tractive_sam.fitting.optimum import OptimumDesign, prepare_search
 from tractive_sam.fitting.problem import Series, groups_of
-from tractive_sam.fitting.response import Response, label_of
+from tractive_sam.fitting.response import Response, quantity_of
 from tractive_sam.fitting.run import read_all
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.schema import PlausibilityWarning, warn
@@ -111,7 +111,10 @@ def explain_spread(design: SpreadDesign) -> Description:
     (seconds,) = estimate_times([response.scene_at(point)], with_files=False)
     wanted = table.samples if table.indices is None else table.indices
     runs = table.samples + wanted * (1 + len(inputs))
-    outcomes = [(str(one), label_of(str(one))) for one in table.outcomes]
+    quantities = {str(one): quantity_of(str(one), table.scene) for one in table.outcomes}
+    outcomes = [
+        (name, format_with_unit(one.long_name, one.unit)) for name, one in quantities.items()
+    ]
     each = f"about {format_duration(seconds)} each and {format_duration(seconds * runs)} in all"
     work = [
         ("linear estimate", f"at most {2 * len(inputs) + 2} runs"),

@@ -751,13 +751,14 @@ class OptimumResult(QuestionResult):
         """Yield the history of the search, and the front of two aims."""
         outcomes, table = self.texts("outcome"), self.design.design
         y = self.numbers("search_outcome")
-        bounds = {label_of(name): one.bound for one in table.limit for name in outcomes
+        label = partial(label_of, scene=table.scene)
+        bounds = {label(name): one.bound for one in table.limit for name in outcomes
                   if name.partition(", scene")[0] == str(one.outcome)}  # fmt: skip
-        draw = partial(design_search, dict(zip(map(label_of, outcomes), y.T, strict=True)), bounds,
+        draw = partial(design_search, dict(zip(map(label, outcomes), y.T, strict=True)), bounds,
                        title=self.title)  # fmt: skip
         yield Drawing("search", "Outcomes of the search, with their limits.", draw)
         if len(front := self.numbers("front_aim")):
-            two = dict(zip(map(label_of, self.texts("aim")), front.T, strict=True))
+            two = dict(zip(map(label, self.texts("aim")), front.T, strict=True))
             caption = "Designs that are best in one of both aims for a given value of the other."
             yield Drawing("front", caption, partial(pareto_front, two, title=self.title))
 

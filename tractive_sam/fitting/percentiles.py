@@ -539,9 +539,10 @@ class SpreadResult(QuestionResult):
     def drawings(self) -> Iterator[Drawing]:
         """Yield causes, samples, and percentiles over revolutions, to be drawn."""
         columns, keys = {name: self.numbers(name) for name in self.variables}, self.keys
-        outcomes, draw = self.design.spread.outcomes, partial(partial, title=self.title)
+        scene, outcomes = self.design.spread.scene, self.design.spread.outcomes
+        draw = partial(partial, title=self.title)
         for k, one in enumerate(outcomes):
-            label, name = label_of(str(one)), str(one).replace(" ", "-")
+            label, name = label_of(str(one), scene), str(one).replace(" ", "-")
             bars = {i: np.stack([columns[f"{i}{end}"][k] for end in self.ends])
                     for i in ("first", "total")}  # fmt: skip
             if not np.isfinite(bars["first"]).all():
@@ -574,9 +575,9 @@ class SpreadResult(QuestionResult):
             places = np.array([outcomes[k].place for k in rows])
             if places.size > 1:
                 curves = columns["percentile"], columns["quantile"][rows]
-                of_wear = self.design.spread.scene.wear is not None
+                of_wear = scene.wear is not None
                 along = "revolution" if of_wear else "distance (mm)"
-                figure = draw(percentile_band, places, *curves, label_of(name), along=along)
+                figure = draw(percentile_band, places, *curves, label_of(name, scene), along=along)
                 yield Drawing(f"band-{name.replace(' ', '-')}", f"Percentiles of {name}.", figure)
 
 

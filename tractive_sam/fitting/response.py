@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -42,7 +43,7 @@ from tractive_sam.fitting.design import (
     observation_faults,
 )
 from tractive_sam.plot import Drawing
-from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.results import COLUMNS, Quantity, index_by_name
 from tractive_sam.run import describe_differences
 from tractive_sam.safe_text import Html, as_html, fill
 from tractive_sam.scene import Scene, describe_changes, hashes_of
@@ -137,11 +138,17 @@ class Outcome:
         return self.column if math.isnan(self.place) else f"{self.column} at {self.place:g}"
 
 
-def label_of(name: str) -> str:
-    """Return the name of an outcome, as "p_max at 5, scene 2", with its unit."""
-    column, _, _ = name.partition(" ")
-    unit = index_by_name(COLUMNS)[column.rstrip(",")].unit
-    return format_with_unit(name.replace("_", " "), unit)
+def quantity_of(name: str, scene: Scene) -> Quantity:
+    """Return the quantity of an outcome, as "p_max at 5, scene 2", with its unit in a scene."""
+    return index_by_name(COLUMNS)[re.split("[ ,]", name)[0]].with_units_of(scene)
+
+
+def label_of(name: str, scene: Scene) -> str:
+    """Return the axis label of an outcome, as "worn_mass A at 5, scene 2", with its unit."""
+    quantity = quantity_of(name, scene)
+    symbol, rest = quantity.symbol, name.removeprefix(quantity.name)
+    label = f"${symbol}$" if symbol and not quantity.dims else quantity.name.replace("_", " ")
+    return format_with_unit(label + re.sub("^ (?=[AB])", " of body ", rest), quantity.unit)
 
 
 def check_observed(entries: ValidEntries) -> Iterator[Fault]:

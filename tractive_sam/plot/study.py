@@ -851,7 +851,7 @@ def design_search(
         if name in limits:
             axes.axhline(limits[name], color=LOOK.vermillion, linestyle="--", label="limit")
             axes.legend()
-        axes.set_ylabel(fill(name, 14))
+        axes.set_ylabel(fill(name, 14, break_long_words=False))
     panels[-1].set_xlabel("point of the search")
     panels[-1].xaxis.set_major_locator(MaxNLocator(6, integer=True, steps=[1, 2, 5, 10]))
     set_title(figure, title)
