@@ -737,10 +737,9 @@ class OptimumResult(QuestionResult):
         names, outcomes = ("start", "value", "lower", "upper"), self.texts("outcome")
         keys = [{"key": key} | {name: f"{self.numbers(name)[k]:.6g}" for name in names}
                 for k, key in enumerate(self.keys)]  # fmt: skip
-        columns = {"start": "before", "optimum": "after"}
-        rows = [{"outcome": one} | {head: f"{self.numbers(name)[k]:.5g}"
-                                    for head, name in columns.items()}
-                for k, one in enumerate(outcomes)]  # fmt: skip
+        ends = zip(self.numbers("before"), self.numbers("after"), strict=True)
+        rows = [{"outcome": one, "start": f"{before:.5g}", "optimum": f"{after:.5g}"}
+                for one, (before, after) in zip(outcomes, ends, strict=True)]  # fmt: skip
         tables = {"Free keys": keys, "Outcomes": rows}
         pairs = zip(self.numbers("front"), self.numbers("front_outcome"), strict=True)
         front = [dict(zip((*outcomes, *self.keys), (f"{x:.5g}" for x in (*y, *point)), strict=True))
@@ -750,12 +749,12 @@ class OptimumResult(QuestionResult):
     def drawings(self) -> Iterator[Drawing]:
         """Yield the history of the search, and the front of two aims."""
         outcomes, table = self.texts("outcome"), self.design.design
-        y = self.numbers("search_outcome")
         label = partial(label_of, scene=table.scene)
         bounds = {label(name): one.bound for one in table.limit for name in outcomes
                   if name.partition(", scene")[0] == str(one.outcome)}  # fmt: skip
-        draw = partial(design_search, dict(zip(map(label, outcomes), y.T, strict=True)), bounds,
-                       title=self.title)  # fmt: skip
+        values = self.numbers("search_outcome").T
+        by_label = dict(zip(map(label, outcomes), values, strict=True))
+        draw = partial(design_search, by_label, bounds, title=self.title)
         yield Drawing("search", "Outcomes of the search, with their limits.", draw)
         if len(front := self.numbers("front_aim")):
             two = dict(zip(map(label, self.texts("aim")), front.T, strict=True))
