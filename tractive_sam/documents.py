@@ -27,12 +27,7 @@ from tractive_sam import (
     studies,
     tables,
 )
-from tractive_sam.description import (
-    Description,
-    TextTable,
-    format_setting,
-    without_nan,
-)
+from tractive_sam.description import Description, TextTable, format_setting, without_nan
 from tractive_sam.interrupt import raise_if_interrupted
 from tractive_sam.output_file import omit_failing_figure, write_file
 from tractive_sam.safe_text import Html, fill

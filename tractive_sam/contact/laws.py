@@ -108,8 +108,9 @@ class Laws:
         In place of a law of another package there is none, or homogeneous bodies.
         """
         elasticity = _with_layer(scene.pair.elasticity(scene), scene)
-        laws = elasticity, _friction(scene), _wear(scene)
-        return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
+        laws, table = (elasticity, _friction(scene), _wear(scene)), scene.fatigue
+        life = None if table is None or table.limit is None else table.life
+        return cls(*laws, fatigue=_fatigue(scene), life=life, volume=_volume(scene))
 
     def replace(self, **laws: Any) -> "Laws":
         """Return a copy with the laws given by keyword."""
@@ -333,14 +334,6 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
         return FatemiSocie(required(table.sensitivity, "fatigue.sensitivity"), yield_stress)
     kinds = {kind.name: kind for kind in (DangVan, Crossland, Findley)}
     return kinds[str(table.criterion)](required(table.sensitivity, "fatigue.sensitivity"))
-
-
-def _life(scene: Scene) -> Woehler | None:
-    """Return the Wöhler curve of a scene, or None without a fatigue limit."""
-    table = scene.fatigue
-    if table is None or table.limit is None:
-        return None
-    return Woehler(table.cycles, table.exponent, table.knee)
 
 
 def _volume(scene: Scene) -> VolumeLife | None:

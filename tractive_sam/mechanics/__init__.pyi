@@ -35,7 +35,6 @@ from .fatigue import FatemiSocie as FatemiSocie
 from .fatigue import Findley as Findley
 from .fatigue import OrthogonalShear as OrthogonalShear
 from .fatigue import VolumeLife as VolumeLife
-from .fatigue import Woehler as Woehler
 from .fatigue import enclosing_radius as enclosing_radius
 from .fatigue import evaluate_cycles as evaluate_cycles
 from .fatigue import interpolate_over_depth as interpolate_over_depth
@@ -72,9 +71,9 @@ from .relaxation import FadingMemory as FadingMemory
 from .relaxation import RelaxingBody as RelaxingBody
 from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces
 from .relaxation import creep_terms as creep_terms
-from .steel import LayeredSteel as LayeredSteel
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel
+from .steel import Woehler as Woehler
 from .steel import limit_from_bending as limit_from_bending
 from .steel import strength_from_hardness as strength_from_hardness
 from .turns import Turns as Turns

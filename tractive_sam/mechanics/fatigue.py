@@ -285,54 +285,6 @@ def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray
 
 
 @dataclass(frozen=True)
-class Woehler(Law):
-    """Wöhler curve with Miner's sum: the life at the utilisation u is N = cycles u^-exponent.
-
-    Each cycle adds 1/N to the damage; a crack starts at 1 (Palmgren 1924, Miner 1945).
-
-    Parameters
-    ----------
-    cycles : float
-        Life at a utilisation of 1.
-    exponent : float
-        Exponent of the curve.
-    knee : bool
-        Whether cycles below a utilisation of 1 cause no damage.
-
-    Examples
-    --------
-    >>> ts.Woehler(cycles=1e7, exponent=10.0).damage(np.array([0.5, 1.0, 2.0]))
-    array([9.765625e-11, 1.000000e-07, 1.024000e-04])
-    """
-
-    cycles: float
-    exponent: float
-    knee: bool = False
-    max_per_cycle: ClassVar[float] = 1e9
-    """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
-
-    def damage(self, utilisation: np.ndarray) -> np.ndarray:
-        """Return damage per cycle at utilisations, limited to `max_per_cycle`; 0 below a knee."""
-        loaded = utilisation > (1.0 if self.knee else 0.0)
-        log = np.log(np.where(loaded, utilisation, 1.0))
-        damage = self.exponent * log - np.log(self.cycles)
-        return np.where(loaded, np.exp(np.minimum(damage, np.log(self.max_per_cycle))), 0.0)
-
-    def relative_error(self, utilisation_error: float) -> float:
-        """Return the relative error of the damage due to a relative error of the utilisation.
-
-        It is (1 + e)^exponent - 1, to first order the exponent times e. The error of cycles near
-        the knee is not included.
-
-        Examples
-        --------
-        >>> round(ts.Woehler(cycles=1e7, exponent=10.0).relative_error(4e-3), 4)
-        0.0407
-        """
-        return float(np.expm1(self.exponent * np.log1p(utilisation_error)))
-
-
-@dataclass(frozen=True)
 class VolumeLife(Law):
     """Life of a stressed volume for a probability of survival (Weibull).
 

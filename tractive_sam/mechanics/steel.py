@@ -1,4 +1,4 @@
-"""Steel over the depth: residual stress, hardness, and the strength that follows from hardness.
+"""Steel over the depth: residual stress, hardness, strength that follows from it, and life.
 
 Depths are below the unworn surface, so that material keeps its values while wear uncovers it.
 """
@@ -6,8 +6,9 @@ Depths are below the unworn surface, so that material keeps its values while wea
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,11 +21,61 @@ Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
+class Woehler(Law):
+    """Wöhler curve with Miner's sum: the life at the utilisation u is N = cycles u^-exponent.
+
+    Each cycle adds 1/N to the damage; a crack starts at 1 (Palmgren 1924, Miner 1945).
+
+    Parameters
+    ----------
+    cycles : float
+        Life at a utilisation of 1.
+    exponent : float
+        Exponent of the curve.
+    knee : bool
+        Whether cycles below a utilisation of 1 cause no damage.
+
+    Examples
+    --------
+    >>> ts.Woehler(cycles=1e7, exponent=10.0).damage(np.array([0.5, 1.0, 2.0]))
+    array([9.765625e-11, 1.000000e-07, 1.024000e-04])
+    """
+
+    cycles: float
+    exponent: float
+    knee: bool = False
+    max_per_cycle: ClassVar[float] = 1e9
+    """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
+
+    def damage(self, utilisation: np.ndarray) -> np.ndarray:
+        """Return damage per cycle at utilisations, limited to `max_per_cycle`; 0 below a knee."""
+        loaded = utilisation > (1.0 if self.knee else 0.0)
+        log = np.log(np.where(loaded, utilisation, 1.0))
+        damage = self.exponent * log - np.log(self.cycles)
+        return np.where(loaded, np.exp(np.minimum(damage, np.log(self.max_per_cycle))), 0.0)
+
+    def relative_error(self, utilisation_error: float) -> float:
+        """Return the relative error of the damage due to a relative error of the utilisation.
+
+        It is (1 + e)^exponent - 1, to first order the exponent times e. The error of cycles near
+        the knee is not included.
+
+        Examples
+        --------
+        >>> round(ts.Woehler(cycles=1e7, exponent=10.0).relative_error(4e-3), 4)
+        0.0407
+        """
+        return float(np.expm1(self.exponent * np.log1p(utilisation_error)))
+
+
+@dataclass(frozen=True)
 class Steel(Law):
-    """Residual stress and strength of the material of a body over the depth.
+    """Residual stress, strength and life of the material of a body over the depth.
 
     Values between depths are interpolated linearly; above the first depth and below the last one
-    they are constant.
+    they are constant. In a body with layers, the curves are those of the body below the layers. A
+    lower face belongs to the layer above it, and nothing is interpolated across a face. Layers are
+    numbered from the surface, from 0; the last number is that of the body below.
 
     Parameters
     ----------
@@ -32,70 +83,49 @@ class Steel(Law):
         Depths, mm, and values of "xx" and "yy", the residual stress along the rolling direction and
         across it, "limit", the fatigue limit, and "shear_yield", MPa; "hardness", HV. Each may be
         absent.
-
-    Examples
-    --------
-    >>> case = ts.Steel({"limit": (np.array([0.0, 1.0]), np.array([400.0, 300.0]))})
-    >>> case.at("limit", [0.25, 3.0])
-    array([375., 300.])
-    """
-
-    curves: Mapping[str, Curve] = field(default_factory=dict)
-
-    def at(self, name: str, zeta: ArrayLike) -> NDArray[np.float64] | None:
-        """Return a curve at depths below the unworn surface, mm, shape (...); None without it."""
-        if name not in self.curves:
-            return None
-        return np.interp(np.asarray(zeta, float), *self.curves[name])
-
-    def stress(self, zeta: ArrayLike) -> NDArray[np.float64] | None:
-        """Return the residual stress xx, yy at depths, shape (2, ...), MPa; None without any."""
-        values = [self.at(name, zeta) for name in ("xx", "yy")]
-        if all(value is None for value in values):
-            return None
-        return np.stack([0.0 * np.asarray(zeta, float) if v is None else v for v in values])
-
-
-@dataclass(frozen=True)
-class LayeredSteel(Steel):
-    """Strength and life of a body with layers, whose `curves` are those of the body below them.
-
-    A lower face belongs to the layer above it, and nothing is interpolated across a face. Layers
-    are numbered from the surface, from 0; the last number is that of the body below.
-
-    Parameters
-    ----------
     faces : ndarray, shape (layers,)
         Depths of the lower faces of the layers below the unworn surface, mm.
     layers : tuple of mapping of str to float
         "limit" and "shear_yield" of each layer, MPa; all layers have the same names.
-    lives : tuple of (float, float, bool)
-        Cycles, exponent and knee of `Woehler` for each layer and for the body below. Reading a
-        scene thus loads no compiled kernels of fatigue.
+    lives : tuple of Woehler
+        Curves of each layer and of the body below; empty without layers.
     groups : tuple of int
         Group of each layer and of the body below: in a group the equivalent stress of the criterion
         is continuous.
     distinct : int
         Number of the upper layers with interfaces of the elastic body; the layers below are
         elastically one with the body.
-    common_limit : float
-        Limit of the stress that `stack` returns, MPa.
+    common_limit : float, optional
+        Limit of the stress that `stack` returns, MPa; without layers it is the limit there.
 
     Examples
     --------
-    >>> lives = (1e5, 4.0, False), (1e7, 10.0, False)
-    >>> steel = {"limit": (np.array([0.0]), np.array([300.0]))}
-    >>> coated = LayeredSteel(steel, np.array([0.1]), ({"limit": 50.0},), lives, (0, 1), 1, 300.0)
-    >>> coated.at("limit", [0.0, 0.1, 0.1 + 1e-9])
-    array([ 50.,  50., 300.])
+    >>> case = ts.Steel({"limit": (np.array([0.0, 1.0]), np.array([400.0, 300.0]))})
+    >>> case.at("limit", [0.25, 3.0])
+    array([375., 300.])
+    >>> lives = ts.Woehler(1e5, 4.0), ts.Woehler(1e7, 10.0)
+    >>> coated = ts.Steel(case.curves, np.array([0.1]), ({"limit": 50.0},), lives, (0, 1), 1, 400.0)
+    >>> coated.at("limit", [0.0, 0.1, 0.25])
+    array([ 50.,  50., 375.])
     """
 
+    curves: Mapping[str, Curve] = field(default_factory=dict)
     faces: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     layers: tuple[Mapping[str, float], ...] = ()
-    lives: tuple[tuple[float, float, bool], ...] = ()
+    lives: tuple[Woehler, ...] = ()
     groups: tuple[int, ...] = (0,)
     distinct: int = 0
-    common_limit: float = 1.0
+    common_limit: float | None = None
+
+    @property
+    def is_layered(self) -> bool:
+        """Whether the material of layers differs, by their strength or by their stress."""
+        return bool(self.lives)
+
+    @property
+    def profiles(self) -> int:
+        """Number of the profiles of `stack`: one for each group."""
+        return max(self.groups) + 1
 
     def layer_at(
         self, zeta: ArrayLike, elastic: NDArray[np.int_] | None = None
@@ -109,7 +139,10 @@ class LayeredSteel(Steel):
         elastic : ndarray of int, optional
             Number of the elastic layer whose stress is known there: only its material is returned.
         """
-        number = np.searchsorted(self.faces, np.asarray(zeta, float))
+        zeta = np.asarray(zeta, float)
+        if not self.is_layered:
+            return np.broadcast_to(0, zeta.shape)
+        number = np.searchsorted(self.faces, zeta)
         if elastic is None:
             return number
         last = np.where(elastic < self.distinct, elastic, self.faces.size)
@@ -118,19 +151,45 @@ class LayeredSteel(Steel):
     def at(
         self, name: str, zeta: ArrayLike, layer: NDArray[np.int_] | None = None
     ) -> NDArray[np.float64] | None:
-        """Return values at depths, by default of the layers there (`Steel.at`, `layer_at`)."""
-        below = super().at(name, zeta)
-        if below is None or name not in self.layers[0]:
+        """Return values at depths below the unworn surface, mm, shape (...); None without any.
+
+        They are those of a `layer`, by its number, by default of `layer_at`.
+        """
+        if name not in self.curves:
+            return None
+        below = np.interp(np.asarray(zeta, float), *self.curves[name])
+        if not self.layers or name not in self.layers[0]:
             return below
         number = self.layer_at(zeta) if layer is None else layer
         values = np.array([*(part[name] for part in self.layers), math.nan])
         return np.where(number < len(self.layers), values[number], below)
 
+    def stress(self, zeta: ArrayLike) -> NDArray[np.float64] | None:
+        """Return the residual stress xx, yy at depths, shape (2, ...), MPa; None without any."""
+        values = [self.at(name, zeta) for name in ("xx", "yy")]
+        if all(value is None for value in values):
+            return None
+        return np.stack([0.0 * np.asarray(zeta, float) if v is None else v for v in values])
+
+    def life(self, layer: float, common: Woehler) -> Woehler:
+        """Return the curve of a layer, by its number; `common` without layers, or if it is nan."""
+        return common if math.isnan(layer) or not self.is_layered else self.lives[int(layer)]
+
+    def damage(
+        self, used: NDArray[np.float64], layer: NDArray[Any], common: Woehler
+    ) -> NDArray[np.float64]:
+        """Return the damage of a cycle, from the utilisation and the layers, both (..., n)."""
+        if not self.is_layered:
+            return common.damage(used)
+        damage = np.zeros(used.shape)
+        for k, life in enumerate(self.lives):
+            here = layer == k
+            if here.any():
+                damage = np.where(here, life.damage(np.where(here, used, 0.0)), damage)
+        return damage
+
     def stack(
-        self,
-        depth: NDArray[np.float64],
-        used: NDArray[np.float64],
-        layer: NDArray[np.int_],
+        self, depth: NDArray[np.float64], used: NDArray[np.float64], layer: NDArray[np.int_]
     ) -> NDArray[np.float64]:
         """Return the profiles of all groups, one after the other, (..., n_y, groups n).
 
@@ -149,7 +208,7 @@ class LayeredSteel(Steel):
         if not any(self.groups):
             return used
         root, number, parts = np.sqrt(depth), np.arange(depth.size), []
-        for group in range(max(self.groups) + 1):
+        for group in range(self.profiles):
             inside = np.array(self.groups)[layer] == group
             first = inside.argmax(axis=1)[:, None]
             last = depth.size - 1 - inside[:, ::-1].argmax(axis=1)[:, None]
@@ -169,23 +228,24 @@ class LayeredSteel(Steel):
         return np.concatenate(parts, axis=-1)
 
     def utilisation(
-        self,
-        used: NDArray[np.float64],
-        layer: NDArray[np.int_],
-        limit: NDArray[np.float64],
+        self, used: Sequence[NDArray[np.float64]], zeta: NDArray[np.float64], layer: NDArray[Any]
     ) -> NDArray[np.float64]:
-        """Return the utilisation (..., n_y, n) from the profiles of `stack`.
+        """Return the utilisation (..., n_y, m) from the profiles at depths.
 
         Parameters
         ----------
-        used : ndarray, shape (..., n_y, groups n)
-            From `stack`.
-        layer, limit : ndarray, shape (n_y, n)
-            Number of the layer, and its fatigue limit, MPa.
+        used : sequence of ndarray, shape (..., n_y, m)
+            Profile of each group (`stack`).
+        zeta : ndarray, shape (m,) or (n_y, m)
+            Depths below the unworn surface, mm.
+        layer : ndarray, shape (m,) or (n_y, m)
+            Numbers of the layers.
         """
-        place = np.array(self.groups)[layer] * layer.shape[1] + np.arange(layer.shape[1])
-        place = np.broadcast_to(place, (*used.shape[:-1], layer.shape[1]))
-        return np.take_along_axis(used, place, axis=-1) * (self.common_limit / limit)
+        if self.common_limit is None:
+            return used[0]
+        group, limit = np.array(self.groups)[layer], self.at("limit", zeta, layer)
+        here = np.select([group == k for k in range(self.profiles)], used)
+        return here if limit is None else here * (self.common_limit / limit)
 
 
 def strength_from_hardness(

@@ -17,12 +17,7 @@ from tractive_sam.compute import (
     transform,
 )
 from tractive_sam.kernels.stress import edge_factors
-from tractive_sam.kernels.stress_sum import (
-    edge_table,
-    layer_product,
-    layer_table,
-    plane_product,
-)
+from tractive_sam.kernels.stress_sum import edge_table, layer_product, layer_table, plane_product
 from tractive_sam.mechanics import AnisotropicMaterial, HalfSpaces, LinearHalfSpaces, Material
 from tractive_sam.operators import elastic
 from tractive_sam.operators.elastic import Lattice

@@ -6,14 +6,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.plot.contact_map import ContactView, Need
-from tractive_sam.plot.figure import (
-    LOOK,
-    Figure,
-    apply_style,
-    format_title,
-    new_axes,
-    new_figure,
-)
+from tractive_sam.plot.figure import LOOK, Figure, apply_style, format_title, new_axes, new_figure
 from tractive_sam.plot.registry import contact_figure, history_figure
 from tractive_sam.rail import ContactLocus, Profile
 from tractive_sam.results import History, WornProfiles

@@ -12,7 +12,7 @@ from tractive_sam.mechanics import (
     VON_MISES,
     Criterion,
     CycleCriterion,
-    LayeredSteel,
+    Steel,
     StressCriterion,
     max_shear,
     principal_stresses,
@@ -382,8 +382,8 @@ class BodyFatigue(ShortArrays):
         is its last one.
     worn : ndarray, shape (n_y,)
         Depth worn off this body, mm.
-    steel : LayeredSteel, optional
-        Material of the layers, of a body with their strengths that was not read from a file.
+    steel : Steel
+        Material of all depths; a file does not contain it.
 
     Examples
     --------
@@ -410,7 +410,7 @@ class BodyFatigue(ShortArrays):
     zeta: np.ndarray = field(default_factory=_empty)
     damage: np.ndarray = field(default_factory=_empty)
     worn: np.ndarray = field(default_factory=_empty)
-    steel: LayeredSteel | None = field(default=None, repr=False)
+    steel: Steel = field(default_factory=Steel, repr=False)
 
     largest_log: ClassVar[float] = 690.0
     """Logarithm of the largest damage that is extrapolated to the surface; e^710 overflows."""
@@ -672,7 +672,9 @@ _of_bodies = partial(Quantity, dims=("body",), bodies_of="fatigue")
 _fatigue = partial(_of_bodies, needs=("fatigue.limit",))
 _volume = partial(_of_bodies, needs=("fatigue.volume",))
 _shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
-_layer = partial(_of_bodies, unit="1", format="g", needs=("fatigue.limit", "fatigue.is_layered"))
+_layer = partial(
+    _of_bodies, unit="1", format="g", needs=("fatigue.limit", "fatigue.has_layer_strengths")
+)
 _position = partial(_fatigue, dims=("body", "position"))
 
 

@@ -46,13 +46,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.contact import Model
-from tractive_sam.mechanics import (
-    LayeredSteel,
-    Steel,
-    VolumeLife,
-    Woehler,
-    interpolate_over_depth,
-)
+from tractive_sam.mechanics import Steel, VolumeLife, Woehler, interpolate_over_depth
 from tractive_sam.results import BodyFatigue, widen_field
 from tractive_sam.scene import Fatigue, Scene, Spectrum
 from tractive_sam.schema import required
@@ -293,8 +287,8 @@ class BodyDamage:
     fatigue : BodyFatigue
         The last passes, and the damage so far.
     utilisation, utilisation_before : ndarray, shape (blocks, n_y, n)
-        Utilisation in each block, in this record and in the one before; of bodies with strengths of
-        their layers the profiles of `LayeredSteel.stack`.
+        Profiles of the utilisation in each block, in this record and in the one before
+        (`Steel.stack`).
     rate : ndarray, shape (n_y,)
         Depth that a revolution wears off it, mm.
     passes : float
@@ -356,18 +350,15 @@ class BodyDamage:
         criterion, steel = self.fatigue.criterion, self.fatigue.steel
         error = 0.0 if criterion is None else criterion.path_error
         top, at = self.fatigue.damage_max
-        if steel is not None:
-            life = Woehler(*steel.lives[int(steel.layer_at(at[2]))])
-        return top * life.relative_error(error)
+        return top * steel.life(float(steel.layer_at(at[2])), life).relative_error(error)
 
     @property
     def blocks(self) -> np.ndarray:
         """Utilisation in each block at the depths of the cycle, (blocks, n_y, n)."""
-        fatigue, used = self.fatigue, self.utilisation
-        if fatigue.steel is None:
-            return used
-        layer = fatigue.local_layer.astype(int)
-        return fatigue.steel.utilisation(used, layer, fatigue.local_limit)
+        fatigue, steel = self.fatigue, self.fatigue.steel
+        used = np.split(self.utilisation, steel.profiles, axis=-1)
+        zeta = fatigue.worn[:, None] + fatigue.depth
+        return steel.utilisation(used, zeta, fatigue.local_layer.astype(int))
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
         """Return the values of the body's damage columns by name; empty without a `life` law."""
@@ -379,8 +370,7 @@ class BodyDamage:
         steel, below = fatigue.steel, fatigue.zeta + fatigue.worn[:, None]
         new = each * _per_pass(fatigue, life, shares, used, fatigue.zeta, below)
         unworn = fatigue.with_damage(fatigue.zeta, new, 0.0 * self.rate)
-        layer = None if steel is None else steel.layer_at(below)
-        largest, weakest = unworn.largest_damage(layer)
+        largest, weakest = unworn.largest_damage(steel.layer_at(below))
         row = int(np.argmin(abs(fatigue.y - weakest[1])))
         balance = each * _integrate_damage(fatigue, used, life, shares)
         works = balance > 0.1 * balance.max()  # rows with little damage have any margin
@@ -396,14 +386,13 @@ class BodyDamage:
         } | layer_column(steel, weakest[2] + fatigue.worn[row])
 
 
-def layer_column(steel: LayeredSteel | None, zeta: float) -> dict[str, float]:
+def layer_column(steel: Steel, zeta: float) -> dict[str, float]:
     """Return the column of the layer that fails first, at a depth below the unworn surface, mm.
 
-    It is empty without strengths of layers, and nan where there is no damage.
+    It is empty without layers, and nan where there is no damage.
     """
-    if steel is None:
-        return {}
-    return {"failing_layer": math.nan if math.isnan(zeta) else float(steel.layer_at(zeta))}
+    layer = math.nan if math.isnan(zeta) else float(steel.layer_at(zeta))
+    return {"failing_layer": layer} if steel.is_layered else {}
 
 
 def pass_damage(
@@ -416,25 +405,17 @@ def pass_damage(
     fatigue : BodyFatigue
         The body, with the depths of `used`.
     life : Woehler
-        Wöhler curve of a body without strengths of its layers.
-    used : ndarray, shape (n_y, n)
-        Utilisation, or profiles of `LayeredSteel.stack`.
+        Wöhler curve of a body without layers.
+    used : ndarray, shape (n_y, profiles n)
+        Profiles of the utilisation (`Steel.stack`).
     at, zeta : ndarray, shape (m,) or (n_y, m)
         Depths below the present and below the unworn surface, mm.
     """
-    steel = fatigue.steel
-    if steel is None:
-        return life.damage(interpolate_over_depth(fatigue.depth, used, at))
-    number = np.broadcast_to(steel.layer_at(zeta), (len(used), at.shape[-1]))
-    factor = steel.common_limit / np.asarray(steel.at("limit", zeta))
-    damage, groups = np.zeros(number.shape), np.split(used, max(steel.groups) + 1, axis=1)
-    for layer, (group, curve) in enumerate(zip(steel.groups, steel.lives, strict=True)):
-        here = number == layer
-        if here.any():
-            stress = factor * interpolate_over_depth(fatigue.depth, groups[group], at)
-            each = Woehler(*curve).damage(np.where(here, stress, 0.0))
-            damage = np.where(here, each, damage)
-    return damage
+    steel, depth = fatigue.steel, fatigue.depth
+    layer = steel.layer_at(zeta)
+    parts = (used[:, k : k + depth.size] for k in range(0, used.shape[1], depth.size))
+    profiles = [interpolate_over_depth(depth, part, at) for part in parts]
+    return steel.damage(steel.utilisation(profiles, zeta, layer), layer, life)
 
 
 def _per_pass(
@@ -767,9 +748,8 @@ def life_error_bars(
     """
     errors = {}
     for body, used in columns["utilisation"].items():
-        layer, layers, curve = columns.get("failing_layer", {}).get(body), steel.get(body), life
-        if isinstance(layers, LayeredSteel) and layer is not None and not math.isnan(layer):
-            curve = Woehler(*layers.lives[int(layer)])
+        layer = columns.get("failing_layer", {}).get(body, math.nan)
+        curve = steel.get(body, Steel()).life(layer, life)
         low, here = curve.damage(np.array([used - bars[body], used]))
         if here > 0.0 and not math.isnan(bars[body]):
             longer = here / low - 1.0 if low > 0.0 else math.inf

@@ -17,7 +17,7 @@ import numpy as np
 from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
-from tractive_sam.mechanics import VolumeLife, Woehler
+from tractive_sam.mechanics import VolumeLife
 from tractive_sam.results import (
     BODIES,
     BodyFatigue,
@@ -498,9 +498,8 @@ class Damage(Observer):
                 for name in ("residual_shear", "path_radius")
             )
             layer = state.get(f"local_layer_{body}")
-            local = LocalSteel.from_contact(
-                passage.contact, body, depth, worn, layer=layer
-            ).fields()
+            at = passage.contact, body, depth, worn, None, layer
+            local = LocalSteel.from_contact(*at).fields()
             fatigue = BodyFatigue(
                 body, grid.y, depth, used[0], shear, radius, None, shear_yield, **local
             ).with_damage(zeta, damage, worn)
@@ -515,7 +514,7 @@ class Damage(Observer):
 def _profiles_of_layers(fatigue: BodyFatigue, stored: np.ndarray) -> np.ndarray:
     """Return stored utilisations by groups of layers; earlier versions stored one profile."""
     steel, depth = fatigue.steel, fatigue.depth
-    if steel is None or not any(steel.groups) or stored.shape[-1] > depth.size:
+    if steel.common_limit is None or stored.shape[-1] == steel.profiles * depth.size:
         return stored
     share = fatigue.local_limit / steel.common_limit
     return steel.stack(depth, stored * share, fatigue.local_layer.astype(int))
@@ -688,21 +687,13 @@ class StressHistory(Observer):
         places = schedule.rolled(np.array(self.places))
         steady = table.start == "steady" and self.places[0] == table.knots[0]
         course = Course(contacts, places, model.laws, schedule.rolls, steady)
-        cycles = course_fatigue(course, cycle_depths(contact))
-        life = model.laws.life
+        cycles, life = course_fatigue(course, cycle_depths(contact)), model.laws.life
         if life is None:
             return cycles
-        return {body: (_with_damage(cycle, life), x) for body, (cycle, x) in cycles.items()}
-
-
-def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
-    """Return the fatigue of a body with the damage of one load cycle."""
-    damage = life.damage(cycle.utilisation)
-    if cycle.steel is not None:
-        lives = [Woehler(*curve).damage(cycle.utilisation) for curve in cycle.steel.lives]
-        layer = cycle.local_layer.astype(int)[None]
-        damage = np.take_along_axis(np.stack(lives), layer, axis=0)[0]
-    return cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size))
+        for body, (cycle, x) in cycles.items():
+            damage = cycle.steel.damage(cycle.utilisation, cycle.local_layer, life)
+            cycles[body] = cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size)), x
+        return cycles
 
 
 def _cycle_start(model: Model) -> float:

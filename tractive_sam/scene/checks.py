@@ -5,16 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
-from tractive_sam.schema import (
-    Check,
-    Fault,
-    NamedLaw,
-    Table,
-    ValidEntries,
-    not_both,
-    shorten,
-    warn,
-)
+from tractive_sam.schema import Check, Fault, NamedLaw, Table, ValidEntries, not_both, shorten, warn
 
 from .bodies import HEAT_CHECKS, Bodies
 from .duty import check_blocks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar, Literal, Self, cast
 
 import numpy as np
@@ -16,6 +17,7 @@ from tractive_sam.mechanics import (
     RelaxingBody,
     SurfaceResponse,
     TransverseMaterial,
+    Woehler,
     creep_terms,
     limit_from_bending,
     strength_from_hardness,
@@ -473,21 +475,19 @@ class LayerStrength(Table):
         values = {name: getattr(self, name) for name in self.strengths}
         return {name: value for name, value in values.items() if value is not None}
 
-    def find_life(self, table: Any) -> tuple[float, float, bool]:
-        """Return cycles, exponent and knee, by default those of the table [fatigue]."""
-        names = ("cycles", "exponent", "knee")
-        given = [(getattr(self, name), getattr(table, name)) for name in names]
-        cycles, exponent, knee = (below if own is None else own for own, below in given)
-        return cycles, exponent, knee
+    def find_life(self, table: Any) -> Woehler:
+        """Return the Wöhler curve, by default that of the table [fatigue]."""
+        given = {name: getattr(self, name) for name in ("cycles", "exponent", "knee")}
+        return replace(table.life, **{k: value for k, value in given.items() if value is not None})
 
     def describe_strength(self, table: Any) -> str:
         """Return a text with the strength and the life of the layer, with the table [fatigue]."""
         values = self.find_values(table.criterion, table.sensitivity)
         parts = [f"{name.replace('_', ' ')} {value:.6g} MPa" for name, value in values.items()]
-        cycles, exponent, knee = self.find_life(table)
+        curve = self.find_life(table)
         if "limit" in values:
-            life = f"life {cycles:g} cycles at the limit, to the power -{exponent:g}"
-            parts.append(f"{life}, infinite below" if knee else life)
+            life = f"life {curve.cycles:g} cycles at the limit, to the power -{curve.exponent:g}"
+            parts.append(f"{life}, infinite below" if curve.knee else life)
         return "; ".join(parts)
 
 

@@ -14,13 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 import numpy as np
 from pydantic import AfterValidator, Field, create_model
 
-from tractive_sam.mechanics import (
-    HertzContact,
-    HertzLine,
-    LayeredSteel,
-    RollingMarch,
-    Steel,
-)
+from tractive_sam.mechanics import HertzContact, HertzLine, RollingMarch, Steel, Woehler
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -566,7 +560,12 @@ class Fatigue(LawTable):
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)
 
     @property
-    def is_layered(self) -> bool:
+    def life(self) -> Woehler:
+        """Wöhler curve of bodies, without their layers."""
+        return Woehler(self.cycles, self.exponent, self.knee)
+
+    @property
+    def has_layer_strengths(self) -> bool:
         """Whether a body has a strength of its layers."""
         return any(table is not None and table.layer for table in (self.A, self.B))
 
@@ -644,17 +643,17 @@ def _distinct_layers(scene: Any, body: str) -> int:
 
 def _find_layered_steel(
     scene: Any, body: str, parts: tuple[LayerStrength, ...], curves: Mapping[str, Any]
-) -> LayeredSteel:
+) -> Steel:
     """Return the strength and life of a body with layers; `curves` of the body below them.
 
     Without `parts`, all layers have the strength of the body: only their stress jumps.
     """
     table = scene.fatigue
     faces = layered_body(scene, body).interfaces
-    rule, below = (table.criterion, table.sensitivity), (table.cycles, table.exponent, table.knee)
+    rule = table.criterion, table.sensitivity
     own = {} if table.limit is None or "limit" in curves else {"limit": table.limit}
     layers = tuple(part.find_values(*rule) for part in parts) or (own,) * faces.size
-    lives = tuple(part.find_life(table) for part in parts) or (below,) * faces.size
+    lives = tuple(part.find_life(table) for part in parts) or (table.life,) * faces.size
     common = {"limit": table.limit, "shear_yield": table.shear_yield_stress}
     ends = np.array([0.0, 2.0 * faces[-1]])  # figures show this depth
     constant = {name: (ends, np.full(2, common[name])) for name in layers[0]}
@@ -666,8 +665,8 @@ def _find_layered_steel(
         jumps = k < distinct or not (by_stress or pair[0] == pair[1])
         groups.append(groups[-1] + jumps)
     limit = table.limit or 1.0
-    return LayeredSteel(
-        constant | dict(curves), faces, layers, (*lives, below), tuple(groups), distinct, limit
+    return Steel(
+        constant | dict(curves), faces, layers, (*lives, table.life), tuple(groups), distinct, limit
     )
 
 

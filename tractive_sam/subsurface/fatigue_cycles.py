@@ -11,7 +11,7 @@ end of the sequence leaves it as if the contact continued to roll with its last 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any, cast
 
@@ -22,7 +22,6 @@ from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import (
     CycleCriterion,
     HalfSpaces,
-    LayeredSteel,
     Steel,
     SurfaceResponse,
     enclosing_radius,
@@ -32,6 +31,7 @@ from tractive_sam.mechanics import (
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
 from tractive_sam.scene import Fatigue, Scene, layered_body
+from tractive_sam.schema import required
 from tractive_sam.subsurface.layered import with_interfaces
 from tractive_sam.subsurface.sources import SIGNS, surface_cycles, surface_points
 from tractive_sam.subsurface.stress_fields import (
@@ -69,8 +69,7 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
     depths = np.concatenate(([0.0], side + (deepest - side) * share))
-    steel = [contact.scene.steel.get(name) for name in table.bodies]
-    faces = [face for each in steel if isinstance(each, LayeredSteel) for face in each.faces]
+    faces = [face for name in table.bodies for face in _steel(contact.scene, name).faces]
     deeper = [face for face in faces if depths[-1] <= face <= 2.0 * depths[-1]]
     if deeper:
         depths = np.append(depths, 1.1 * max(deeper))
@@ -80,8 +79,7 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
 
 def _worn_bodies(scene: Scene, body: str) -> Iterator[SurfaceResponse]:
     """Yield a body, and with strengths of its layers as it is after each step of their wear."""
-    steel = scene.steel.get(body)
-    if not isinstance(steel, LayeredSteel):
+    if not _steel(scene, body).is_layered:
         yield scene.body.responses[body]
         return
     layered = layered_body(scene, body)
@@ -91,6 +89,11 @@ def _worn_bodies(scene: Scene, body: str) -> Iterator[SurfaceResponse]:
     for layer, face in zip(layered.layers, layered.interfaces, strict=True):
         for share in np.arange(0.0, 1.0 - 1e-9, step):
             yield layered.worn(float(face) - (1.0 - share) * layer.thickness, step)
+
+
+def _steel(scene: Scene, body: str) -> Steel:
+    """Return the material of a body of a scene; without its tables it has no curves."""
+    return scene.steel.get(body, Steel())
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,13 +112,10 @@ class LocalSteel:
         Whether the strength depends on the depth.
     has_factor : bool
         Whether to compute the load factor at first yield.
-    layers : LayeredSteel, optional
-        Material of a body with strengths of its layers; `limit` is then its common limit, for
-        which `LayeredSteel.stack` takes the equivalent stress.
-    layer : ndarray of int, shape (rows, n)
-        Number of the layer at the rows and depths of the pass; empty without `layers`.
-    own_limit : ndarray, shape (rows, n)
-        Fatigue limit of the layer there, MPa.
+    layer : ndarray of int, shape (rows, ...)
+        Number of the layer.
+    steel : Steel
+        Material of all depths.
 
     Examples
     --------
@@ -133,9 +133,26 @@ class LocalSteel:
     common_yield: float
     varies: bool
     has_factor: bool
-    layers: LayeredSteel | None = None
-    layer: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
-    own_limit: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    layer: np.ndarray
+    steel: Steel
+
+    @classmethod
+    def at_points(
+        cls, scene: Scene, body: str, zeta: np.ndarray, layer: np.ndarray | None = None
+    ) -> "LocalSteel":
+        """Return the steel at depths (rows, ...) below the unworn surface, mm.
+
+        On an interface, `layer` is the number of the layer.
+        """
+        table, steel = required(scene.fatigue, "fatigue"), _steel(scene, body)
+        layer = steel.layer_at(zeta) if layer is None else layer.astype(int)
+        common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
+        limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
+        varies = steel.is_layered or limit is not None or k is not None
+        limit = np.full(zeta.shape, table.limit or 1.0) if limit is None else limit
+        k = np.full(zeta.shape, common) if k is None else k
+        has_factor = scene.residual is not None and not math.isnan(common)
+        return cls(steel.stress(zeta), limit, k, common, varies, has_factor, layer, steel)
 
     @classmethod
     def from_contact(
@@ -152,18 +169,8 @@ class LocalSteel:
         With layers, `laws` have those that wear has left; by default they are those of the contact.
         If the numbers of the `layer` (n_y, n) there are stored, the laws need not be known.
         """
-        table, steel = fatigue_table(contact), contact.scene.steel.get(body, Steel())
-        common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
-        zeta = worn[:, None] + depths
-        limit, k = (steel.at(name, zeta) for name in ("limit", "shear_yield"))
-        varies = limit is not None or k is not None
-        limit = np.full(zeta.shape, table.limit or 1.0) if limit is None else limit
-        k = np.full(zeta.shape, common) if k is None else k
-        has_factor = contact.scene.residual is not None and not math.isnan(common)
-        local = cls(steel.stress(zeta), limit, k, common, varies, has_factor)
-        if not isinstance(steel, LayeredSteel):
-            return local
-        if layer is None:
+        steel, zeta = _steel(contact.scene, body), worn[:, None] + depths
+        if layer is None and steel.is_layered:
             known = laws or Laws.of_contact(contact, ("elasticity",))
             elastic = known.elasticity.single_body(body)
             faces = getattr(getattr(elastic, "A", None), "interfaces", np.zeros(0))
@@ -172,14 +179,7 @@ class LocalSteel:
             is_known = not lost or contact.scene.has("wear.layer_step")
             below = lost + np.searchsorted(faces, depths)
             layer = steel.layer_at(zeta, below if is_known else None)
-        layer = layer.astype(int)
-        limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
-        own = np.full(zeta.shape, steel.common_limit) if limit is None else limit
-        k = local.shear_yield if k is None else k
-        limit = np.full(zeta.shape, steel.common_limit)
-        return replace(
-            local, limit=limit, shear_yield=k, varies=True, layers=steel, layer=layer, own_limit=own
-        )
+        return cls.at_points(contact.scene, body, zeta, layer)
 
     def at_depth(self, k: int, at_corners: bool = False) -> "LocalSteel":
         """Return the steel of the rows, or of corner rows between them, at one depth."""
@@ -191,7 +191,7 @@ class LocalSteel:
 
         stress = None if self.stress is None else select(self.stress)
         limit, shear_yield = select(self.limit), select(self.shear_yield)
-        if self.layers is not None and shear_yield.shape[-1] < self.shear_yield.shape[0]:
+        if self.steel.is_layered and shear_yield.shape[-1] < self.shear_yield.shape[0]:
             # Of two rows in different layers the weaker one, as no mean of them is a material.
             shear_yield = np.minimum(self.shear_yield[1:, k], self.shear_yield[:-1, k])
         return replace(self, stress=stress, limit=limit, shear_yield=shear_yield)
@@ -244,6 +244,11 @@ class LocalSteel:
         total[:2] += self.stress.reshape(2, 1, -1, *(1,) * (cycle.ndim - 3))
         return total
 
+    @property
+    def stack_limit(self) -> np.ndarray | float:
+        """Limit of the stress that may be interpolated over the depth (`Steel.stack`), MPa."""
+        return self.limit if self.steel.common_limit is None else self.steel.common_limit
+
     def profiles(self, depths: np.ndarray, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the largest utilisation (n_y, n) of passes, and the profiles of all passes.
 
@@ -252,30 +257,27 @@ class LocalSteel:
         depths : ndarray, shape (n,)
             mm.
         used : ndarray, shape (passes, n_y, n)
-            Criterion over `limit` in each pass.
+            Criterion over `stack_limit` in each pass.
 
         Returns
         -------
         largest : ndarray, shape (n_y, n)
             Utilisation.
         profiles : ndarray, shape (passes, n_y, ...)
-            `used`, for bodies with strengths of their layers from `LayeredSteel.stack`.
+            From `Steel.stack`.
         """
-        if self.layers is None:
-            return used.max(axis=0), used
-        largest = used.max(axis=0) * (self.limit / self.own_limit)
-        return largest, self.layers.stack(depths, used, self.layer)
+        largest = used.max(axis=0) * (self.stack_limit / self.limit)
+        return largest, self.steel.stack(depths, used, self.layer)
 
     def fields(self, factor: np.ndarray | None = None) -> dict[str, Any]:
         """Return the fields of `BodyFatigue` that depend on the material, by name, (n_y, n)."""
-        fields: dict[str, Any] = {}
+        fields: dict[str, Any] = {"steel": self.steel}
         if self.stress is not None:
             fields |= {"residual_xx": self.stress[0], "residual_yy": self.stress[1]}
-        if self.layers is not None:
-            fields |= {"steel": self.layers, "local_layer": 1.0 * self.layer}
+        if self.steel.is_layered:
+            fields["local_layer"] = 1.0 * self.layer
         if self.varies:
-            own = self.limit if self.layers is None else self.own_limit
-            fields |= {"local_limit": own, "local_yield": self.shear_yield}
+            fields |= {"local_limit": self.limit, "local_yield": self.shear_yield}
         if self.has_factor and factor is not None:
             fields["inverse_yield_factor"] = factor
         return fields
@@ -348,8 +350,7 @@ def cycle_fatigue(
     Returns
     -------
     dict of str to (BodyFatigue, ndarray of shape (contacts, n_y, n))
-        By body: the largest utilisation, and the utilisation of each contact; of bodies with
-        strengths of their layers the profiles of `LayeredSteel.stack`.
+        By body: the largest utilisation, and the profiles of each contact (`Steel.stack`).
 
     Examples
     --------
@@ -427,7 +428,7 @@ def _evaluate(
     for law, cycle in zip(laws, cycles, strict=True):
         if law.fatigue is not None:
             value, radius = steel.evaluate(law.fatigue, cycle)
-            utilisations.append(np.maximum(value, 0.0) / steel.limit)
+            utilisations.append(np.maximum(value, 0.0) / steel.stack_limit)
     if radius is None or len(cycles) > 1:
         radius = enclosing_radius(path)
     factor = steel.inverse_yield_factor(path) if steel.has_factor else 0.0 * radius
@@ -673,7 +674,7 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     y = grid.shifted(0.0).y
     results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
     for i, body in enumerate(table.bodies):
-        utilisation = np.maximum(used[i], 0.0) / steel[i].limit
+        utilisation = np.maximum(used[i], 0.0) / steel[i].stack_limit
         of_body = steel[i].profiles(depths, utilisation[None])[0], residual[i], radius[i]
         further = steel[i].fields(factor[i])
         results[body] = BodyFatigue(body, y, depths, *of_body, *about, **further), place[i]

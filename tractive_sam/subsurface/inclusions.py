@@ -602,15 +602,10 @@ class _Passing:
         table, law = self.contact.scene.fatigue, self.laws.fatigue
         if table is None or law is None or table.limit is None or self.body not in table.bodies:
             return np.full(depth.size, np.nan)
-        steel = self.contact.scene.steel.get(self.body, Steel())
-        common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
-        limit, k = (steel.at(name, depth + self.worn) for name in ("limit", "shear_yield"))
-        varies = k is not None
-        limit = np.full(depth.size, table.limit) if limit is None else limit
-        k = np.full(depth.size, common) if k is None else k
-        local = LocalSteel(None, limit, k, common, varies, has_factor=False)
-        value, _ = local.evaluate(law, cycle)
-        return np.maximum(value, 0.0) / limit
+        # The cycle contains the residual stress.
+        at_points = LocalSteel.at_points(self.contact.scene, self.body, depth + self.worn)
+        local = replace(at_points, stress=None)
+        return np.maximum(local.evaluate(law, cycle)[0], 0.0) / local.limit
 
 
 class _LiftResponse:
