@@ -9,6 +9,7 @@ from .convolution import MirroredConvolution as MirroredConvolution
 from .convolution import backend_of as backend_of
 from .fft import ConvolutionMeter as ConvolutionMeter
 from .fft import LayerTransform as LayerTransform
+from .fft import PlanCache as PlanCache
 from .fft import box_transform as box_transform
 from .fft import cores as cores
 from .fft import edge_transform as edge_transform

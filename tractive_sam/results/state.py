@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property, partial
 from operator import add, attrgetter
@@ -91,11 +91,11 @@ class Cost:
     over_application: float = field(default=0.0, compare=False)
 
     def __add__(self, other: "Cost") -> "Cost":
-        return Cost(*map(add, astuple(self), astuple(other)))
+        return Cost(*map(add, vars(self).values(), vars(other).values()))
 
     def scaled(self, share: float) -> "Cost":
         """Return the cost multiplied by a share, for work on a coarser mesh."""
-        return Cost(*(share * part for part in astuple(self)))
+        return Cost(*(share * part for part in vars(self).values()))
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened

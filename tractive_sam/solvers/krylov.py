@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from tractive_sam.compute import backend_of
+from tractive_sam.compute import PlanCache, backend_of
 from tractive_sam.kernels.linear_algebra import extend_basis, solve_triangle
 from tractive_sam.operators import Lattice
 from tractive_sam.results import Cost, Status
@@ -153,6 +153,10 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
     return components, sqrt(beyond)
 
 
+_memory = PlanCache(np.empty, 4)
+"""Array of a shape and a number type; the thread uses its memory again for the next system."""
+
+
 def conjugate_residuals(
     system: LinearSystem, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -183,7 +187,8 @@ def conjugate_residuals(
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
     rows = min(max_steps, 12)
-    space = np.empty((3, rows, residual.size), kind)
+    make = _memory if residual.nbytes <= 2**18 else np.empty
+    space: np.ndarray = make((3, rows, residual.size), kind)
     triangle, along, size = np.zeros((rows, rows)), np.zeros(rows), prod(system.shape)
     k = 0
     while k < max_steps and norm > goal:
