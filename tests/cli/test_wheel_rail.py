@@ -6,6 +6,8 @@ import sys
 import numpy as np
 import pytest
 
+from tractive_sam.rail import ConicityCheck
+
 SMALL = ("--set", "grid.elements=[15, 15]")
 
 
@@ -37,6 +39,44 @@ def test_faults_of_a_locus(call, arguments, text):
     result = call("locus", *arguments, "-o", "l.csv")
     assert result.exit_code == 2
     assert text in result.output
+
+
+@pytest.mark.slow
+def test_a_check_writes_a_table_and_a_figure(call, folder):
+    result = call("locus", "--check", "EN15302", "-o", "c.csv", "--width", "84mm")
+    assert result.exit_code == 0
+    text = " ".join(result.output.split())
+    assert "592 of 594 conicities are within the tolerance, 2 differ with a reason" in text
+    assert "from 0.0250 to 0.0257" in text  # roll
+    table = np.genfromtxt(folder / "c.csv", delimiter=",", names=True)
+    assert [(table["case"] == k).sum() for k in (1, 9)] == [66 + 59, 66 + 58]
+    assert (table["agrees"] == 0.0).sum() == 2
+    assert (folder / "c-check.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("--check", "EN13674"), "allowed: EN15302"),
+        (("wheel-rail", "--check", "EN15302"), "omit SCENE"),
+        (("--check", "EN15302", "--set", "wheelset.y=1.0"), "omit SCENE"),
+        (("-o", "l.csv"), "SCENE is missing"),
+        (("wheel-rail",), "--output is missing"),
+    ],
+)
+def test_faults_of_a_check(call, arguments, text):
+    result = call("locus", *arguments)
+    assert result.exit_code == 2
+    assert text in " ".join(result.output.split())
+
+
+def test_a_check_that_differs_ends_with_status_3(call, monkeypatch):
+    values = (np.array([number]) for number in (2.0, 0.1, 0.01, 0.2))
+    wrong = ConicityCheck("E1: x", "from profiles", *values, ("",))
+    monkeypatch.setattr("tractive_sam.validation.check_locus", lambda standard: [wrong])
+    result = call("locus", "--check", "EN15302")
+    assert result.exit_code == 3
+    assert "differs" in result.output
 
 
 @pytest.mark.slow

@@ -17,6 +17,16 @@ def test_figures_of_a_locus(locus):
     assert len(plot.conicity(locus, points=5).axes[0].lines) == 2
 
 
+def test_figure_of_a_check_marks_what_is_beyond_the_tolerance(locus):
+    right, wrong = (
+        locus.check_conicity(title, "free roll", [2.5, 3.0], [0.19, value], [0.05, 0.05])
+        for title, value in (("right", 0.19), ("wrong", 0.9))
+    )
+    figure = plot.conicity_checks([right, wrong])
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["right", "wrong"]
+    assert [axes.lines[1].get_xdata().tolist() for axes in figure.axes] == [[], [3.0]]
+
+
 def test_figure_of_a_contact_needs_a_wheel():
     scene = ts.Scene.builtin("wheel-rail").with_set(["grid.elements=[15, 15]"])
     assert plot.wheel_on_rail(ts.solve(scene)).axes

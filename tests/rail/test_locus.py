@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from tractive_sam import plot
-from tractive_sam.rail import ContactLocus, find_contact_points, find_locus
+from tractive_sam.rail import ContactLocus, Profile, Wheel, find_contact_points, find_locus
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_contact_points_of_a_locus_are_on_both_profiles(locus, wheel, rail):
 
 
 def test_conicity_of_s1002_on_uic60(locus):
-    # Published for these profiles, 1:40, 1435 and 1360 mm: 0.188 within 0.05; 0.182 without roll.
+    # 0.182 is the value without roll, which raises conicities by 2 to 3 %.
     assert 0.182 <= locus.conicity(3.0) <= 0.188
     assert 0.182 <= locus.klingel_conicity(3.0) <= 0.188
 
@@ -54,6 +54,50 @@ def test_a_cone_has_its_conicity_at_any_amplitude(amplitude):
     cone = of_difference(y, 2.0 * 0.05 * y)
     assert cone.conicity(amplitude) == pytest.approx(0.05, rel=1e-9)
     assert cone.klingel_conicity(amplitude) == pytest.approx(0.05, rel=1e-6)  # quadrature
+
+
+@pytest.mark.parametrize("rail_radius", [80.0, 300.0])
+def test_roll_raises_the_conicity_of_a_cone_as_in_closed_form(rail_radius):
+    """Cones on arcs of radius R, contact points 2b apart: (b + R tan)/(b - r tan) times the cone.
+
+    Wickens, Fundamentals of Rail Vehicle Dynamics (2003), without curvature of the wheel.
+    """
+    cone, half, y = 0.025, 750.0, np.linspace(-30.0, 30.0, 61)
+    tread = Profile.from_nodes(np.stack((y, -cone * y), 1), np.tile([1.0, -cone], (61, 1)))
+    angle = np.linspace(-0.1, 0.1, 41) - np.arctan(cone)
+    arc = rail_radius * np.stack((np.sin(angle), -np.cos(angle)), axis=1)
+    tangents = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    rail = Profile.from_nodes(arc - arc[20] + [half, 0.0], tangents)
+    positions, wheel = [-3.0, -1.5, 0.0, 1.5, 3.0], Wheel(tread, 460.0, 1360.0)
+    without = find_locus(wheel, rail, positions, 0.0)
+    assert without.klingel_conicity(3.0) == pytest.approx(cone, rel=1e-9)
+    factor = (half + rail_radius * cone) / (half - 460.0 * cone)
+    # The closed form is of first order in the angles: terms of the cone squared remain.
+    assert find_locus(wheel, rail, positions).klingel_conicity(3.0) == pytest.approx(
+        factor * cone, rel=1e-2 * cone**2 + 1e-5
+    )
+
+
+def test_cylinders_have_no_conicity():
+    """As wheels whose difference is zero between two flanges, up to rounding."""
+    y = np.linspace(-3.0, 3.0, 61)
+    flanges = of_difference(y, np.sign(y) * (np.abs(y) > 1.75) + 1e-13 * np.cos(9.0 * y))
+    assert flanges.klingel_conicity(1.7) == 0.0
+    assert flanges.klingel_conicity(2.5) > 0.1
+    assert of_difference(y, 0.0 * y).klingel_conicity(2.0) == 0.0
+
+
+def test_a_difference_next_to_a_jump_has_a_reason():
+    """A cone with a step of the difference at 1.55 mm, against reference values with a shift."""
+    y = np.sort(np.append(np.linspace(-3.0, 3.0, 61), [-1.55, -1.55 - 1e-5, 1.55, 1.55 + 1e-5]))
+    locus = of_difference(y, 0.05 * y + 2.0 * np.sign(y) * (np.abs(y) > 1.55))
+    locus = replace(locus, jumps=np.diff(y, prepend=-9.0) < 1e-4)
+    amplitudes, shifted = np.array([1.0, 1.6, 2.5, 4.0]), [0.025, locus.klingel_conicity(1.69), 0.9]
+    check = locus.check_conicity("a", "b", amplitudes[:3], shifted, np.full(3, 1e-3))
+    assert check.agrees.tolist() == [True, False, False]
+    assert check.differs.tolist() == [False, False, True]
+    assert "jumps at |y| = 1.550 mm" in check.reasons[1]
+    assert locus.check_conicity("a", "b", amplitudes[3:], [0.1], [1.0]).amplitude.size == 0
 
 
 def test_conicities_of_a_cubic_difference():
@@ -86,6 +130,14 @@ def test_klingel_conicity_is_that_of_the_integrated_motion():
     half = np.diff([x for x in found.t_events[0] if x > 1.0])[0]
     exact = distance * radius / 2.0 * (np.pi / half) ** 2
     assert skew.klingel_conicity(3.0) == pytest.approx(exact, rel=1e-4)
+
+
+def test_a_motion_that_is_nearly_around_zero_is_found():
+    """The even part of the difference has no integral from -3 to 3 mm, and a small one beyond."""
+    y = np.linspace(-6.0, 6.0, 4001)
+    skew = of_difference(y, 0.2 * y + 0.02 * (y**2 - 3.0) + 0.004 * y**3)
+    exact, near = skew.klingel_conicity(3.0), skew.klingel_conicity(3.0 + 1.5e-5)
+    assert near == pytest.approx(exact, rel=1e-4)
 
 
 @pytest.mark.parametrize("amplitude", [0.0, -1.0, 4.1, np.nan])

@@ -2,6 +2,7 @@
 
 import csv
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -11,11 +12,13 @@ from tractive_sam.validation import (
     PublishedSet,
     Topic,
     Verdict,
+    check_locus,
     report,
     select_sets,
     validate,
 )
-from tractive_sam.validation.comparison import compare
+from tractive_sam.validation.comparison import Comparison, compare
+from tractive_sam.validation.wheel_rail import CONICITY_CASES
 
 SETS = [one for topic in TOPICS for one in topic.sets]
 
@@ -61,6 +64,39 @@ def test_the_quick_half_agrees(tmp_path):
     assert not [outcome.failure for outcome in outcomes if outcome.failure]
     explained = [o.of.title for o in outcomes if o.worst is Verdict.EXPLAINED]
     assert explained == ["Twin discs R8T on UIC60 900A: frictional heat"]
+
+
+def test_reference_conicities_from_radius_differences():
+    """The differences of E7 end at 6.8 mm, and its motions are about y = -2.7 mm."""
+    for case, number in ((CONICITY_CASES[0], 59), (CONICITY_CASES[6], 42)):
+        check = case.check(from_profiles=False)
+        # Differences in micrometres and conicities in thousandths.
+        np.testing.assert_allclose(check.conicity, check.reference, rtol=1e-3, atol=5e-4)
+        assert check.amplitude.size == number
+
+
+def test_reference_conicities_from_profiles():
+    """Wheels H are cones of 0.025 up to the jump at 2.5 mm; the standard places it later."""
+    check = CONICITY_CASES[2].check()
+    np.testing.assert_allclose(check.conicity[:10], 0.025, atol=1e-6)  # points in nm
+    assert check.amplitude[~check.agrees].tolist() == [2.6]
+    assert "jumps at |y| = 2.496 mm" in check.reasons[16]
+    assert not check.differs.any()
+    values = list(CONICITY_CASES[2].compare(from_profiles=True))
+    assert [value.agrees for value in values] == [True] * 14
+
+
+def test_reasons_of_values_explain_them():
+    def jumping():
+        yield Comparison("explained", "1.0", 2.0, 0.5, 1.0, "the contact jumps")
+
+    outcome = PublishedSet("x", "y", jumping).run()
+    assert outcome.worst is Verdict.EXPLAINED
+
+
+def test_unknown_standards_are_refused():
+    with pytest.raises(ValueError, match="allowed: EN15302"):
+        check_locus("EN13674")
 
 
 def wrong():

@@ -22,7 +22,14 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
-from tractive_sam.cli.scene_input import STANDARD_INPUT, Allow, SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import (
+    STANDARD_INPUT,
+    Allow,
+    SceneName,
+    Settings,
+    complete_scenes,
+    read_scene,
+)
 from tractive_sam.cli.show import Dpi, Format, Width
 from tractive_sam.description import TextTable
 
@@ -167,28 +174,41 @@ def _modified_at(path: Path) -> int | None:
 
 
 def locus(
-    scene: SceneName,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.csv")],
+    scene: Annotated[
+        str | None, typer.Argument(metavar="[SCENE]", autocompletion=complete_scenes)
+    ] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE.csv", show_default=False)
+    ] = None,
     settings: Settings = None,
     reach: float = 6.0,
     positions: Annotated[int, typer.Option(min=3, max=2001)] = 21,
     amplitude: float = 3.0,
+    check: Annotated[str | None, typer.Option("--check", metavar="EN15302")] = None,
     format: Format = "png",
     dpi: Dpi = 200,
     width: Width = None,
 ) -> None:
     """Write contact points, rolling radii and conicity of a wheelset against its position.
 
+    With --check, the command compares equivalent conicities with the reference cases of a standard
+    instead. If a conicity is beyond the tolerance of the standard without a reason that the
+    computation shows, the exit status is 3.
+
     Parameters
     ----------
+    scene
+        A scene file (TOML), the name of a built-in scene, or - for standard input.
     output
-        Table to write; the figures are written to the same folder.
+        Table to write; the figures are written to the same folder. With --check, it is optional.
     reach
         Largest lateral position on both sides, mm.
     positions
         Number of positions.
     amplitude
         Amplitude for the printed equivalent conicity, mm.
+    check
+        Standard whose reference cases are computed; without a scene.
     format
         Format of the figures.
     """
@@ -199,6 +219,26 @@ def locus(
     from tractive_sam.output_file import write_table
     from tractive_sam.scene import contact_locus
 
+    if check is not None:
+        if scene or settings:
+            raise invalid_exit("--check: the standard defines the wheels; omit SCENE and --set")
+        checks = _print_conicities(check)
+        if output:
+            names = ("amplitude", "reference", "tolerance", "conicity", "agrees")
+            columns = {name: np.concatenate([getattr(c, name) for c in checks]) for name in names}
+            sizes = [one.amplitude.size for one in checks]
+            case = np.repeat([int(one.title[1]) for one in checks], sizes)
+            profiles = np.repeat([one.label == "from profiles" for one in checks], sizes)
+            write_table(output, {"case": case, "from_profiles": profiles, **columns})
+            print_line(output)
+            figure = output.with_name(f"{output.stem}-check.{format}")
+            _save_figure(lambda: plot.conicity_checks(checks), figure, dpi, width)
+        if any(one.differs.any() for one in checks):
+            raise incomplete_exit("conicities differ from those of the standard; see the table")
+        return
+    if scene is None or output is None:
+        missing = "SCENE" if scene is None else "--output"
+        raise invalid_exit(f"{missing} is missing: locus SCENE -o FILE.csv, or --check EN15302")
     read = read_scene(scene, settings)
     with refuse(ValueError), report_warnings():
         contacts = contact_locus(read, np.linspace(-reach, reach, positions))
@@ -217,6 +257,48 @@ def locus(
     }
     for name, draw in figures.items():
         _save_figure(draw, output.with_name(f"{output.stem}-{name}.{format}"), dpi, width)
+
+
+def _print_conicities(standard: str) -> "list[ts.rail.ConicityCheck]":
+    """Print the conicities of a standard beside computed ones, and return them."""
+    import numpy as np
+
+    from tractive_sam.validation import Verdict, check_locus, find_standard_locus
+
+    with refuse(ValueError):
+        checks = check_locus(standard)
+    rows = []
+    for check in checks:
+        for k, amplitude in enumerate(check.amplitude):
+            verdict = Verdict.DIFFERS if check.differs[k] else Verdict.EXPLAINED
+            verdict = Verdict.AGREES if check.agrees[k] else verdict
+            about = f"{check.title}, {check.label}"
+            if check.reasons[k]:
+                print_note(f"{about}, amplitude {amplitude:g} mm: {check.reasons[k]}")
+            if verdict is Verdict.AGREES and amplitude % 1.0:
+                continue  # half millimetres are in the table of --output
+            numbers = (check.reference[k], check.conicity[k], check.tolerance[k])
+            rows.append((about, f"{amplitude:g}", *(f"{n:.4f}" for n in numbers), verdict.value))
+    headings = ("case", "amplitude\nmm", "reference", "computed", "tolerance", "verdict")
+    print_table(TextTable(rows, headings, frozenset(range(1, 5))))
+    for label in dict.fromkeys(check.label for check in checks):
+        group = [check for check in checks if check.label == label]
+        agree, differ = (np.concatenate([getattr(check, name) for check in group])
+                         for name in ("agrees", "differs"))  # fmt: skip
+        worst = max(float(np.abs(check.conicity - check.reference).max()) for check in group)
+        print_message(
+            f"{label}: {agree.sum()} of {agree.size} conicities are within the tolerance, "
+            f"{(~agree & ~differ).sum()} differ with a reason, {differ.sum()} without; "
+            f"the largest difference is {worst:.4f}"
+        )
+    positions = [-2.0, -1.0, 0.0, 1.0, 2.0]
+    cones = [find_standard_locus("B", positions, roll) for roll in (0.0, None)]
+    without, free = (cone.klingel_conicity(2.0) for cone in cones)
+    print_message(
+        f"the wheelset of the standard does not roll; free roll would raise the conicity of E2 at "
+        f"2 mm, of a cone, from {without:.4f} to {free:.4f}"
+    )
+    return checks
 
 
 def _save_figure(

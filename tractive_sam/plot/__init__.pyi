@@ -85,6 +85,7 @@ from .study import study_samples as study_samples
 from .study import table_errors as table_errors
 from .study import traction_curve as traction_curve
 from .wheel_rail import conicity as conicity
+from .wheel_rail import conicity_checks as conicity_checks
 from .wheel_rail import contact_points as contact_points
 from .wheel_rail import radius_difference as radius_difference
 from .wheel_rail import wheel_on_rail as wheel_on_rail

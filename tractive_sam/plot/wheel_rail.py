@@ -1,5 +1,6 @@
 """Figures of wheel and rail: contact points, rolling radii, conicity, patches and worn profiles."""
 
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 from tractive_sam.plot.contact_map import ContactView, Need
 from tractive_sam.plot.figure import LOOK, Figure, apply_style, format_title, new_axes, new_figure
 from tractive_sam.plot.registry import contact_figure, history_figure
-from tractive_sam.rail import ContactLocus, Profile
+from tractive_sam.rail import ConicityCheck, ContactLocus, Profile
 from tractive_sam.results import History, WornProfiles
 from tractive_sam.scene import Scene
 
@@ -153,6 +154,48 @@ def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     else:
         axes.set_ylim(bottom=0.0)
     axes.legend()
+    return figure
+
+
+@apply_style
+def conicity_checks(checks: Sequence[ConicityCheck]) -> Figure:
+    """Draw equivalent conicities over the reference values, with the band of their tolerance.
+
+    Each title has a panel, and each label a line in it. Circles mark values beyond the tolerance.
+
+    Parameters
+    ----------
+    checks : sequence of ConicityCheck
+        Computed and reference values; those of a title have a common reference.
+
+    Examples
+    --------
+    >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-2.0, -1.0, 0.0, 1.0, 2.0])
+    >>> check = locus.check_conicity("S1002", "free roll", [1.0, 2.0], [0.4, 0.17], [0.05, 0.05])
+    >>> plot.conicity_checks([check])
+    <Figure size ...>
+    """
+    titles = list(dict.fromkeys(check.title for check in checks))
+    columns = min(len(titles), 3)
+    rows = -(-len(titles) // columns)
+    figure = new_figure(1.0 if columns < 3 else 1.4, 0.2 + 0.4 * rows)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for axes, title in zip(panels, titles, strict=False):
+        shown = [check for check in checks if check.title == title]
+        longest = max(shown, key=lambda check: check.amplitude.size)
+        limits = [longest.reference + sign * longest.tolerance for sign in (-1.0, 1.0)]
+        axes.fill_between(longest.amplitude, *limits, color=LOOK.grey, alpha=0.3, linewidth=0,
+                          label="tolerance of the reference")  # fmt: skip
+        for check, style, colour in zip(shown, ("-", "--"), LOOK.lines, strict=False):
+            axes.plot(check.amplitude, check.conicity, style, color=colour, label=check.label)
+            beyond = check.amplitude[~check.agrees], check.conicity[~check.agrees]
+            axes.plot(*beyond, "o", mfc="none", color=colour)
+        axes.set_title(title, fontsize="small")
+    for axes in panels[len(titles) :]:
+        axes.set_axis_off()
+    figure.supxlabel("amplitude (mm)", fontsize="medium")
+    figure.supylabel(r"equivalent conicity $\tan\gamma_e$", fontsize="medium")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure
 
 

@@ -13,6 +13,7 @@ from .files import SUFFIXES as SUFFIXES
 from .files import ProfileError as ProfileError
 from .files import read_profile as read_profile
 from .files import write_profile as write_profile
+from .locus import ConicityCheck as ConicityCheck
 from .locus import ContactLocus as ContactLocus
 from .locus import find_locus as find_locus
 from .measured import UNITS as UNITS

@@ -2,10 +2,10 @@
 
 S1002 is the wheel profile of UIC 510-2 and EN 13715: its pieces, with the coefficients by which
 H. Netter (DLR) published it for simulation, are also listed by Polach, Berg & Iwnicki (2006) in the
-Handbook of Railway Vehicle Dynamics. 60E1 (formerly UIC 60) is the rail head of EN 13674-1 and of
-the reference cases of EN 15302: tangent arcs of the radii 300, 80 and 13 mm. The rail of the
-Manchester benchmark (Shackleton & Iwnicki 2008, Vehicle System Dynamics 46, 129-149) has these
-radii with slightly different limits.
+Handbook of Railway Vehicle Dynamics. 60E1 (formerly UIC 60) is the rail head of EN 13674-1:
+tangent arcs of the radii 300, 80 and 13 mm. The rail of the Manchester benchmark (Shackleton &
+Iwnicki 2008, Vehicle System Dynamics 46, 129-149) has these radii with slightly different limits;
+inclined by 1:20, it is within 4 um the rail S-UIC 519-A of EN 15302.
 """
 
 from collections.abc import Callable, Mapping

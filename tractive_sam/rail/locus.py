@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
@@ -12,6 +13,39 @@ import scipy  # its parts are loaded when first used
 from .contact import Clearance, find_contact_points, free_roll
 from .profile import Array, Profile
 from .wheelset import Wheel
+
+
+@dataclass(frozen=True, eq=False)
+class ConicityCheck:
+    """Equivalent conicities beside reference values with a tolerance.
+
+    Attributes
+    ----------
+    title, label : str
+        The case, and what its rolling radii follow from.
+    amplitude, reference, tolerance, conicity : ndarray, shape (n,)
+        Amplitudes, mm; reference values, their tolerances and computed values, tan gamma_e.
+    reasons : tuple of str
+        Why a value is beyond its tolerance, if the computation shows it; otherwise an empty text.
+    """
+
+    title: str
+    label: str
+    amplitude: Array
+    reference: Array
+    tolerance: Array
+    conicity: Array
+    reasons: tuple[str, ...]
+
+    @property
+    def agrees(self) -> np.ndarray:
+        """Whether values are within their tolerance, shape (n,)."""
+        return np.asarray(np.abs(self.conicity - self.reference) <= self.tolerance)
+
+    @property
+    def differs(self) -> np.ndarray:
+        """Whether values are beyond their tolerance without a reason, shape (n,)."""
+        return ~self.agrees & np.array([not reason for reason in self.reasons], bool)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +153,7 @@ class ContactLocus:
 
         A free wheelset follows y'' = -difference / (tape distance x radius); the cone has its
         wavelength at its amplitude, half the distance of the extreme positions (EN 15302). The
-        wavelength is a quadrature of the first integral of the motion.
+        wavelength is a quadrature of the first integral of the motion. Cylinders have 0.
 
         Parameters
         ----------
@@ -143,6 +177,9 @@ class ContactLocus:
         middle, half = 0.5 * sum(extremes), 0.5 * (extremes[1] - extremes[0])
         angles = np.pi * (np.arange(2000) + 0.5) / 2000 - 0.5 * np.pi  # no end point: 0/0 there
         energy = potential(extremes[0]) - potential(middle + half * np.sin(angles))
+        largest_of_cone = 1e-7 * half**2 / (self.tape_distance * self.nominal_radius)
+        if np.abs(energy).max() <= largest_of_cone:  # cones of 1e-7 count as cylinders
+            return 0.0
         if not (energy > 0.0).all():
             raise ValueError(
                 f"amplitude {amplitude:g} mm: Klingel's motion is not defined, as the rolling "
@@ -151,6 +188,69 @@ class ContactLocus:
             )
         wavelength = 2.0 * np.pi * float((half * np.cos(angles) / np.sqrt(2.0 * energy)).mean())
         return self.tape_distance * self.nominal_radius / 2.0 * (2.0 * np.pi / wavelength) ** 2
+
+    def check_conicity(
+        self,
+        title: str,
+        label: str,
+        amplitudes: Sequence[float] | Array,
+        reference: Sequence[float] | Array,
+        tolerance: Sequence[float] | Array,
+        step: float = 0.1,
+    ) -> ConicityCheck:
+        """Return conicities by Klingel's motion beside reference values.
+
+        Parameters
+        ----------
+        title, label : str
+            See `ConicityCheck`.
+        amplitudes, reference, tolerance : sequence of float, shape (n,)
+            Amplitudes, mm, with reference values of tan gamma_e and their tolerances. Amplitudes
+            of motions that leave the positions are left out.
+        step : float
+            Spacing of the positions of the reference, mm. It locates a jump of the contact to one
+            step only, and interpolates over this step.
+
+        Examples
+        --------
+        >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-2.0, -1.0, 0.0, 1.0, 2.0])
+        >>> locus.check_conicity("S1002", "free roll", [2.0], [0.17], [0.05]).agrees
+        array([ True])
+        """
+        rows, reasons = [], []
+        for row in zip(amplitudes, reference, tolerance, strict=True):
+            amplitude, value, allowed = map(float, row)
+            if amplitude > min(-self.y[0], self.y[-1]) or self._find_extremes(amplitude) is None:
+                continue
+            conicity = np.nan
+            with suppress(ValueError):
+                conicity = self.klingel_conicity(amplitude)
+            agrees = abs(conicity - value) <= allowed
+            reasons.append("" if agrees else self._find_jump(amplitude, value, allowed, step))
+            rows.append((amplitude, value, allowed, conicity))
+        given, values, allowances, conicities = np.array(rows).reshape(-1, 4).T
+        found = given, values, allowances, conicities, tuple(reasons)
+        return ConicityCheck(title, label, *found)
+
+    def _find_jump(self, amplitude: float, value: float, tolerance: float, step: float) -> str:
+        """Describe a jump of the contact within two steps of an extreme position, if there is one.
+
+        The conicity must also have the value, within its tolerance, at an amplitude within a step.
+        """
+        ends, jumps = np.array(self.extremes(amplitude)), self.y[self.jumps]
+        distance = np.abs(jumps[:, None] - ends).min(axis=1, initial=np.inf)
+        if not (distance <= 2.0 * step).any():
+            return ""
+        for shift in sorted(step * np.linspace(-1.0, 1.0, 21), key=abs):
+            with suppress(ValueError):
+                if abs(self.klingel_conicity(amplitude + shift) - value) <= tolerance:
+                    jump = abs(jumps[np.argmin(distance)])
+                    return (
+                        f"the contact jumps at |y| = {jump:.3f} mm, and positions of the reference "
+                        f"{step:g} mm apart do not resolve this: the conicity agrees at an "
+                        f"amplitude of {amplitude + shift:.2f} mm"
+                    )
+        return ""
 
     @property
     def _potential(self) -> "scipy.interpolate.PPoly":
@@ -169,14 +269,15 @@ class ContactLocus:
         def excess(middle: float) -> float:
             return float(potential(middle + amplitude) - potential(middle - amplitude))
 
-        if abs(excess(0.0)) <= 1e-6 * np.ptp(potential(self.y)):  # symmetric, up to rounding
+        asymmetry, largest = abs(excess(0.0)), np.ptp(potential(self.y))
+        if asymmetry <= 1e-12 * largest:  # rounding
             return -amplitude, amplitude
         room = max(min(self.y[-1], -self.y[0]) - amplitude, 0.0)
         middles = np.linspace(-room, room, 400)
         above = potential(middles + amplitude) > potential(middles - amplitude)
         changes = np.flatnonzero(above[1:] != above[:-1])
         if not changes.size:
-            return None
+            return (-amplitude, amplitude) if asymmetry <= 1e-6 * largest else None
         # Hollow wheels have several such motions; the one nearest to y = 0 is meant.
         k = changes[np.argmin(np.abs(middles[changes] + middles[changes + 1]))]
         middle = float(scipy.optimize.brentq(excess, middles[k], middles[k + 1], xtol=1e-12))

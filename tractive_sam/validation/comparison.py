@@ -37,6 +37,8 @@ class Comparison:
         the computation claims.
     value : float
         The published value as a number.
+    reason : str
+        Why the values differ, if the computation shows it.
     """
 
     quantity: str
@@ -44,6 +46,7 @@ class Comparison:
     computed: float
     allowed: float
     value: float
+    reason: str = ""
 
     @property
     def difference(self) -> float:
@@ -146,7 +149,8 @@ class Outcome:
         """Return the verdict on a comparison of this set."""
         if comparison.agrees:
             return Verdict.AGREES
-        return Verdict.EXPLAINED if self.of.explanation else Verdict.DIFFERS
+        is_explained = comparison.reason or self.of.explanation
+        return Verdict.EXPLAINED if is_explained else Verdict.DIFFERS
 
     @property
     def worst(self) -> Verdict:

@@ -170,6 +170,7 @@ def _rows(outcome: Outcome) -> Iterator[Html]:
     remarks = [f"Allowed beside the digits: {one.error}." if one.error else ""]
     if outcome.worst is Verdict.EXPLAINED:
         remarks.append(one.explanation)
+    remarks += [f"{v.quantity}: {v.reason}." for v in outcome.comparisons if v.reason]
     if outcome.failure:
         remarks.append(f"Not computed: {outcome.failure}")
     yield fill(

@@ -6,18 +6,30 @@ creepages are relative to the contact point of CONTACT, with the opposite sign.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
+from functools import cache, partial
+from importlib.resources import files
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium, share_load, solve_patches_on_fitted_mesh
-from tractive_sam.rail import ContactLocus, Patch, Profile
+from tractive_sam.rail import (
+    ConicityCheck,
+    ContactLocus,
+    Patch,
+    Profile,
+    Wheel,
+    find_locus,
+    from_measurement,
+)
 from tractive_sam.validation.closed_forms import STEEL
 from tractive_sam.validation.comparison import Comparison, PublishedSet, compare
+
+Array = NDArray[np.float64]
 
 TABLES: dict[str, Any] = {
     "body": {"A": STEEL, "B": STEEL},
@@ -221,65 +233,163 @@ def patches_as_printed(number: int) -> Iterator[Comparison]:
 
 
 @dataclass(frozen=True)
-class ReferenceCase:
-    """A symmetric reference case of EN 15302, Annex E: wheels of 920 mm, contacts 1500 mm apart.
+class ConicityCase:
+    """A reference case of EN 15302, Annex E: two wheels R-UIC 519 on rails S-UIC 519-A.
 
-    `differences` are rolling radius differences at y = 0.1, 0.2, ... 6.8 mm, in micrometres, and
-    `conicities` are tan gamma_e for the amplitudes 1, 2, ... 6 mm.
+    The wheels are 1360 mm apart, back to back, and have 920 mm at the tape line. The wheelset does
+    not roll: each rail carries its wheel at the same height.
+
+    Attributes
+    ----------
+    number : int
+        Number of the case.
+    wheels : str
+        Letters of the right and of the left wheel.
+    smaller : float
+        Radius by which the left wheel is smaller, mm.
     """
 
-    title: str
-    differences: str
-    conicities: tuple[str, ...]
+    number: int
+    wheels: str
+    smaller: float = 0.0
 
     @property
-    def locus(self) -> ContactLocus:
-        """The contact locus with these differences; it has no contact points."""
-        half = 1e-3 * np.array(self.differences.split(), float)
-        difference = np.concatenate((-half[::-1], [0.0], half))
-        n = difference.size
-        points, pairs, none = np.zeros((2, n, 3)), np.zeros((2, n, 2)), np.zeros((2, n))
+    def title(self) -> str:
+        """Number of the case, profiles and diameters of the right and the left wheel."""
+        return f"E{self.number}: {'/'.join(self.wheels)}, 920/{920.0 - 2.0 * self.smaller:g} mm"
+
+    @property
+    def locus_of_differences(self) -> ContactLocus:
+        """The locus with the rolling radius differences of the standard, in steps of 0.1 mm."""
+        difference = 1e-3 * _read_standard()[self.wheels]
+        reach = 0.1 * (difference.size // 2)
+        y = np.linspace(-reach, reach, difference.size)
+        return self._locus(y, 460.0 + 0.5 * difference, 460.0 - 0.5 * difference)
+
+    @property
+    def locus_of_profiles(self) -> ContactLocus:
+        """The locus with the rolling radii of both wheels on the rail."""
+        # The left wheel is the mirror of a right one.
+        (y, right), (mirrored, left) = map(_find_rolling_radii, self.wheels)
+        both = np.union1d(y, mirrored)
+        return self._locus(both, np.interp(both, y, right), np.interp(-both, mirrored, left))
+
+    def _locus(self, y: Array, right: Array, left: Array) -> ContactLocus:
+        """Return the locus with rolling radii of equal wheels; it has no contact points."""
+        points, pairs, none = np.zeros((2, y.size, 3)), np.zeros((2, y.size, 2)), np.zeros(y.size)
         return ContactLocus(
-            y=np.linspace(-0.1 * half.size, 0.1 * half.size, n),
-            roll=none[0],
+            y=y,
+            roll=none,
             points=points,
             wheel=pairs,
             rail=pairs,
-            angle=none,
-            radius=460.0 + 0.5 * np.array([difference, -difference]),
-            jumps=np.zeros(n, bool),
+            angle=pairs[..., 0],
+            radius=np.array([right, left - self.smaller]),
+            jumps=np.diff(y, prepend=-np.inf) < 1e-4,  # 24 um times 1/1000 apart
             nominal_radius=460.0,
             tape_distance=1500.0,
         )
 
+    def check(self, from_profiles: bool = True, every: int = 1) -> ConicityCheck:
+        """Return conicities beside those of the standard, at every n-th amplitude from 1 to 7.5 mm.
 
-# Typed from the standard in the test data of B_ECC-Equivalent-Conicity-Calculation
-# (github.com/criogenox).
-REFERENCE_CASES = (
-    ReferenceCase(
-        "wheel A on rail A",
-        "32 51 71 92 116 142 167 197 227 257 292 328 361 402 443 481 527 574 616 667 719 766 822 "
-        "879 931 992 1055 1111 1177 1236 1299 1346 1407 1471 1539 1598 1673 1752 1834 1906 1995 "
-        "2088 2185 2286 2373 2481 2593 2709 2808 2931 3058 3189 3324 3440 3582 3729 3879 4008 4166 "
-        "4328 4494 4636 5064 5692 6521 7597 9010 10954",
-        ("0.125", "0.155", "0.188", "0.216", "0.254", "0.303"),
-    ),
-    ReferenceCase(
-        "wheel B on rail A",
-        "5 10 15 20 25 30 35 40 45 50 55 60 65 70 75 80 85 90 95 100 105 110 115 120 125 130 135 "
-        "140 145 1950 2003 2057 2112 2167 2224 2281 2339 2397 2457 2517 2578 2640 2702 2766 2830 "
-        "2895 2961 3027 3095 3163 3232 3302 3372 3444 3516 3589 3663 3737 3813 3889 3966 4044 4123 "
-        "5392 6111 7050 8270 9895",
-        ("0.025", "0.025", "0.058", "0.241", "0.283", "0.302"),
-    ),
+        The tolerance is the smaller one of 0.05 and half the value (Annex F).
+        """
+        reference = 1e-3 * _read_standard()["conicities"][self.number - 1][::every]
+        amplitudes = np.arange(10, 76, every) / 10.0
+        locus = self.locus_of_profiles if from_profiles else self.locus_of_differences
+        label = "from profiles" if from_profiles else "from differences"
+        tolerance = np.minimum(0.05, 0.5 * reference)
+        return locus.check_conicity(self.title, label, amplitudes, reference, tolerance)
+
+    def compare(self, from_profiles: bool) -> Iterator[Comparison]:
+        """Yield the values of `check` at whole and half mm.
+
+        From the radius differences, 0.1 % of the value and the digits count as the tolerance.
+        """
+        check = self.check(from_profiles, every=5)
+        columns = (check.amplitude, check.reference, check.tolerance, check.conicity, check.reasons)
+        for amplitude, value, tolerance, conicity, reason in zip(*columns, strict=True):
+            allowed = tolerance if from_profiles else 1e-3 * value + 5.001e-4
+            name = f"tan gamma_e, amplitude {amplitude:g} mm"
+            yield Comparison(name, f"{value:.3f}", float(conicity), allowed, value, reason)
+
+
+CONICITY_CASES = (
+    *(ConicityCase(k, 2 * letter) for k, letter in enumerate("ABHI", 1)),
+    *(ConicityCase(k, 2 * letter, 1.0) for k, letter in enumerate("ABHI", 5)),
+    ConicityCase(9, "AB"),
 )
 
 
-def conicities_of_the_standard(case: ReferenceCase) -> Iterator[Comparison]:
-    """Yield equivalent conicities by Klingel's motion, for amplitudes from 1 mm on."""
-    for amplitude, printed in enumerate(case.conicities, 1):
-        computed = case.locus.klingel_conicity(amplitude)
-        yield compare(f"tan gamma_e, amplitude {amplitude} mm", printed, computed, 1e-3)
+@cache
+def _read_standard() -> Mapping[str, Array]:
+    """Read profiles, radius differences and conicities of EN 15302, with their `source`.
+
+    `A`, `B`, `H`, `I` are heights of the wheels in steps of 0.135 mm from -70 mm, and `rail` of the
+    rail in steps of 0.0715 mm from -32.5 mm, in nm, upwards. The differences by pairs of wheels, in
+    um, are in steps of 0.1 mm around 0, and the conicities of E1 to E9, in thousandths, in steps of
+    0.1 mm from 1 mm. The differences of E5 to E8 are those of E1 to E4 and 1 mm.
+    """
+    with (files(__package__) / "en15302.npz").open("rb") as file, np.load(file) as arrays:
+        return dict(arrays)
+
+
+def find_standard_locus(
+    letter: str, positions: Sequence[float], roll: float | None = 0.0
+) -> ContactLocus:
+    """Return the locus of equal wheels of EN 15302, whose profiles are 750 mm from the middle.
+
+    Parameters
+    ----------
+    letter : str
+        Letter of the wheels: A, B, H or I.
+    positions : sequence of float
+        Lateral positions of the wheelset, mm.
+    roll : float, optional
+        Roll, rad; None lets both wheels rest on the rails.
+    """
+    arrays = _read_standard()
+    kinds: tuple[tuple[Literal["wheel", "rail"], str, float, float], ...]
+    kinds = (("wheel", letter, -70.0, 0.135), ("rail", "rail", -32.5, 0.0715))
+    profiles = []
+    for kind, name, first, spacing in kinds:
+        y = first + spacing * np.arange(arrays[name].size)
+        points = np.stack((y, 1e-6 * arrays[name]), axis=1)
+        profiles.append(from_measurement(points, kind, smoothing=0.0))
+    wheel = Wheel(profiles[0], radius=460.0, inner=1360.0)
+    return find_locus(wheel, profiles[1].moved(0.0, (750.0, 0.0)), positions, roll)
+
+
+@cache
+def _find_rolling_radii(letter: str) -> tuple[Array, Array]:
+    """Return positions and rolling radii, mm, of the right wheel with a profile of EN 15302."""
+    locus = find_standard_locus(letter, [0.15 * k for k in range(-60, 61)])
+    return locus.y, locus.radius[0]
+
+
+def check_locus(standard: str = "EN15302") -> list[ConicityCheck]:
+    """Compute the reference cases of a standard, from its profiles and from its radius differences.
+
+    Parameters
+    ----------
+    standard : str
+        Name of the standard: EN15302, the edition 2008+A1:2010 with nine cases.
+
+    Raises
+    ------
+    ValueError
+        If the standard is not known.
+
+    Examples
+    --------
+    >>> from tractive_sam.validation import check_locus
+    >>> sum(check.differs.sum() for check in check_locus("EN15302"))
+    0
+    """
+    if standard.replace(" ", "").upper() != "EN15302":
+        raise ValueError(f"standard {standard!r}; allowed: EN15302")
+    return [case.check(kind) for kind in (True, False) for case in CONICITY_CASES]
 
 
 CHOICES = "1 %: CONTACT samples the profiles in steps of an element"
@@ -307,11 +417,15 @@ SETS = (
     ),
     *(
         PublishedSet(
-            f"Equivalent conicity from the rolling radius difference, {case.title}",
-            "EN 15302:2008+A1:2010, Annex E",
-            partial(conicities_of_the_standard, case),
-            "0.1 %: differences in micrometres, in steps of 0.1 mm",
+            f"Conicity of {case.title}, from the {'profiles' if kind else 'radius differences'}",
+            "EN 15302:2008+A1:2010, Annexes D, E and F",
+            partial(case.compare, kind),
+            "the tolerance of the standard, 0.05 or half the value"
+            if kind
+            else "0.1 %: differences in micrometres, in steps of 0.1 mm",
+            quick=not kind,
         )
-        for case in REFERENCE_CASES
+        for kind in (True, False)
+        for case in CONICITY_CASES
     ),
 )
