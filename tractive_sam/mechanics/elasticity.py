@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.kernels.half_space import integrals, integrate_logarithm, integrate_sign
+from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign, quadrant
 from tractive_sam.lazy_names import accept_renamed_methods, renamed_attributes
 from tractive_sam.mechanics.law import Law
 
@@ -547,7 +547,7 @@ class HalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.coefficients`.
         """
-        r1, xx, yy, xy, x2, y2 = integrals_of(dx, dy).at(*offsets)
+        r1, xx, yy, xy, x2, y2 = integrals_of(dy / dx).at(*offsets)
         nu, K = self.material.poisson, self.material.coupling
         match component:
             case "xx":
@@ -562,7 +562,7 @@ class HalfSpaces(Elasticity):
                 entry = -K * x2
             case "yz":
                 entry = -K * y2
-        return entry / (np.pi * self.material.shear)
+        return dx / (np.pi * self.material.shear) * entry
 
     def response(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray:
         """Return displacement u_A - u_B over traction at wave numbers, with exp(i (kx x + ky y)).
@@ -678,33 +678,24 @@ class Strips(HalfSpaces):
 class _ElementIntegrals:
     """Surface kernels integrated over an element, for any material, stored and extended on demand.
 
-    The table has as many offsets as were needed so far: a rectangle around the contact has the
-    elements of its mesh.
+    The element has the length 1: integrals are proportional to its size, and coarser meshes share
+    them. The table has as many offsets as were needed so far: a rectangle around the contact has
+    the elements of its mesh.
     """
 
-    def __init__(self, dx: float, dy: float) -> None:
-        self._sides, self._table = (dx, dy), np.empty((6, 0, 0))
+    def __init__(self, aspect: float) -> None:
+        self._aspect, self._table = aspect, np.empty((6, 0, 0))
 
     def at(self, nx: int, ny: int) -> np.ndarray:
-        """Return the six kernel integrals at offsets below (nx, ny) elements, mm, (6, nx, ny)."""
-        table = self._table
-        stored_x, stored_y = table.shape[1:]
+        """Return the six kernel integrals at offsets below (nx, ny) elements, (6, nx, ny)."""
+        stored_x, stored_y = self._table.shape[1:]
         if nx > stored_x or ny > stored_y:
-            new, (dx, dy) = np.empty((6, max(nx, stored_x), max(ny, stored_y))), self._sides
-            x, y = dx * np.arange(new.shape[1])[:, None], dy * np.arange(new.shape[2])
-            new[:, :stored_x, :stored_y] = table
-            for along, across in (
-                (slice(stored_x, None), slice(None)),
-                (slice(stored_x), slice(stored_y, None)),
-            ):
-                if x[along].size and y[across].size:
-                    new[:, along, across] = integrals(x[along], y[across], dx, dy)
-            self._table = table = new
-        return table[:, :nx, :ny]
+            self._table = quadrant(max(nx, stored_x), max(ny, stored_y), 1.0, self._aspect)
+        return self._table[:, :nx, :ny]
 
 
 integrals_of = lru_cache(maxsize=32)(_ElementIntegrals)
-"""The integrals of elements by their sides."""
+"""The integrals of elements by their width over their length."""
 
 
 def _member_of_bodies(name: str) -> Any:

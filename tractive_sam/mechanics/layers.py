@@ -861,7 +861,7 @@ def _coefficients(
     if law.datum is not None:
         return load_strips(component, offsets, dx, heights, amplitudes, law.datum)
     zz, LL, TT, Lz = amplitudes[:, 0]
-    r1, xx, yy, xy, x2, y2 = integrals_of(dx, dy).at(*offsets)
+    r1, xx, yy, xy, x2, y2 = integrals_of(dy / dx).at(*offsets)
     surface = {
         "zz": zz * r1,
         "xx": LL * r1 + (TT - LL) * xx,
@@ -869,7 +869,7 @@ def _coefficients(
         "xy": (TT - LL) * xy,
         "xz": -Lz * x2,
         "yz": -Lz * y2,
-    }[component] / (2.0 * np.pi)
+    }[component] * (dx / (2.0 * np.pi))
     if heights.size == 1:
         return surface
     return surface + load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
