@@ -225,3 +225,30 @@ def row_products(out, rows, kernel, places):
             for k in range(a.shape[0]):
                 total += c[k] * (a[k].real * b[k].real + a[k].imag * b[k].imag)
             out[i, j] = out[j, i] = total
+
+
+@compiled
+def sum_from_end(values, weights, falls, out):
+    """Set rows of `out` from the last one, which is given, to sums over rows ahead that fade.
+
+    A row is its factor `falls` times the next row, and six values from its place on by `weights`.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m or 1, n + 6, k)
+        Values, of each sum or of all.
+    weights : ndarray, shape (m, 6)
+        Weights of successive values.
+    falls : ndarray, shape (m,)
+        Factors of the next row.
+    out : ndarray, shape (m, n + 1, k)
+        The sums.
+    """
+    for m in range(len(out)):
+        source, total, fall = values[m % len(values)], out[m], falls[m]
+        a, b, c, d, e, f = weights[m]
+        for i in range(total.shape[0] - 2, -1, -1):
+            for k in range(total.shape[1]):
+                near = a * source[i, k] + b * source[i + 1, k] + c * source[i + 2, k]
+                far = d * source[i + 3, k] + e * source[i + 4, k] + f * source[i + 5, k]
+                total[i, k] = fall * total[i + 1, k] + (near + far)

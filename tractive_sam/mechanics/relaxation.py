@@ -36,7 +36,7 @@ dissipates: of equal tractions it gives the work p . dM/dx.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -299,9 +299,8 @@ class FadingMemory(LinearHalfSpaces):
 
     def _table(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
         """Return both parts of the influence coefficients, (2, n_x, n_y)."""
-        elastic = LinearHalfSpaces(self.A, self.B, self.datum)
-        lengths = self.length, self.distance
-        return self.ratio * _remember(elastic, component, offsets, (dx, dy), *lengths, self.far)
+        elastic, terms = LinearHalfSpaces(self.A, self.B, self.datum), ((self.ratio, self.length),)
+        return _remember(elastic, component, offsets, (dx, dy), terms, self.distance, far=self.far)
 
 
 class _Coefficients:
@@ -338,11 +337,9 @@ class _Coefficients:
             renewed = body.factor(0.0, 0.0, step).real - 1.0
             table[0] += renewed * elastic.coefficients(self._component, offsets, *self._sides)
             return
-        for ratio, time in body.terms:
-            of_term = elastic, self._component, offsets, self._sides, speed * time
-            table += ratio * _remember(*of_term)
-            if step is not None:
-                table -= ratio * _remember(*of_term, step[0])
+        terms = tuple((ratio, speed * time) for ratio, time in body.terms)
+        distance = step[0] if step else 0.0
+        table += _remember(elastic, self._component, offsets, self._sides, terms, distance, True)
 
 
 _coefficients = lru_cache(32)(_Coefficients)
@@ -355,11 +352,12 @@ def _remember(
     component: str,
     offsets: tuple[int, int],
     sides: tuple[float, float],
-    reach: float,
+    terms: tuple[tuple[float, float], ...],
     distance: float = 0.0,
+    renews: bool = False,
     far: bool = False,
 ) -> np.ndarray:
-    """Return the memory M of elastic influence coefficients: its parts with and without parity.
+    """Return the memory f M of elastic influence coefficients, summed over terms, in two parts.
 
     Parameters
     ----------
@@ -367,29 +365,40 @@ def _remember(
         Elastic bodies, K.
     component, offsets, sides
         See `Elasticity.coefficients`.
-    reach : float
-        T = V tau, mm.
+    terms : tuple of (float, float)
+        f and T = V tau, mm, of each term.
     distance : float
         d, mm: C in place of M, see the text of this module.
+    renews : bool
+        Whether to return M - C in place of C.
     far : bool
         Whether only elements ahead, at a distance, are needed; elsewhere the table is zero.
 
     Returns
     -------
     ndarray, shape (2, n_x, n_y)
-        mm/MPa.
+        Parts with the parity of K and without, mm/MPa.
     """
     (dx, _), (nx, ny) = sides, offsets
     parity = -1.0 if component in ("xz", "xy") else 1.0
-    if not reach:
-        table = law.coefficients(component, offsets, *sides)
+    if not terms[0][1]:
+        table = sum(ratio for ratio, _ in terms) * law.coefficients(component, offsets, *sides)
         return np.stack((table, np.zeros_like(table)))
-    memory = _memory_along(law, component, (nx + _beyond(distance, dx), ny), sides, reach, far)
-    line, start = memory.line, memory.start
+    ratios, lengths = np.array(terms).T
+    memory = _memory_along(law, component, (nx + _beyond(distance, dx), ny), sides, lengths, far)
+    lines, start = memory.lines, memory.start
     if distance:
-        line, start = _mean_over_step(memory, dx / reach, distance / dx)
+        lines, start = _mean_over_step(memory, dx / lengths, distance / dx)
+        if renews:
+            before = memory.start - start
+            lines = memory.lines[:, before : before + lines.shape[1]] - lines
+    line = np.tensordot(ratios, lines, 1)
     if law.datum is not None:
-        line = line - memory.unit * _at_datum(law.datum, reach, distance, parity)
+        for ratio, length in terms:
+            at_datum = _at_datum(law.datum, length, distance, parity)
+            if renews and distance:
+                at_datum = _at_datum(law.datum, length, 0.0, parity) - at_datum
+            line -= ratio * at_datum * memory.unit
     front, rear = line[start:][:nx], np.zeros((nx, ny))
     if not far:
         rear = line[start::-1][:nx]
@@ -407,26 +416,26 @@ def _rounded_up(nx: int) -> int:
 
 
 class _Along(NamedTuple):
-    """M of a loaded element along x.
+    """M of a loaded element along x, of each term.
 
     Attributes
     ----------
-    line : ndarray, shape (n, n_y)
+    lines : ndarray, shape (terms, n, n_y)
         At elements before and after it, mm/MPa.
     start : int
         Index of the loaded element.
     unit : ndarray, shape (n_y,)
         Factor of -ln|x|, or of the sign of x, far from the load in a line contact.
-    middle : ndarray, shape (m, n_y)
+    middles : ndarray, shape (terms, m, n_y)
         Near it, at parts of elements.
     near, parts : int
-        Elements on both sides in `middle`, and parts of each.
+        Elements on both sides in `middles`, and parts of each.
     """
 
-    line: np.ndarray
+    lines: np.ndarray
     start: int
     unit: np.ndarray
-    middle: np.ndarray
+    middles: np.ndarray
     near: int
     parts: int
 
@@ -436,7 +445,7 @@ def _memory_along(
     component: str,
     offsets: tuple[int, int],
     sides: tuple[float, float],
-    reach: float,
+    lengths: np.ndarray,
     far: bool,
     near: int = 6,
     parts: int = 9,
@@ -445,10 +454,12 @@ def _memory_along(
 
     Parameters
     ----------
-    law, component, sides, reach, far
+    law, component, sides, far
         See `_remember`.
     offsets : (int, int)
         Elements on both sides in x, and in y.
+    lengths : ndarray, shape (terms,)
+        T of each term, mm.
     near : int
         Elements from the loaded one up to which K is taken at parts of elements.
     parts : int
@@ -457,51 +468,46 @@ def _memory_along(
     (dx, dy), (nx, ny) = sides, offsets
     nx = _rounded_up(nx)
     parity = -1.0 if component in ("xz", "xy") else 1.0
-    homogeneous = law.datum is None and law.images[0].size == 1
     first, doublings = 12, int(np.log2(nx / 12))  # of the doubled length up to the mesh's end
 
     def table(rows: int, step: float) -> np.ndarray:
         """Return K at offsets of a step, of elements as long as it, per their length."""
-        # Of homogeneous bodies it is proportional to the size of the elements: coarser meshes share
-        # that of other steps.
-        scale = dy if homogeneous and step != dx else 1.0
-        values = law.coefficients(component, (rows + 1, ny), step / scale, dy / scale)
-        values = values * (scale * dx / step)
+        values = law.coefficients(component, (rows + 1, ny), step, dy) * (dx / step)
         if step > dx:  # to that of shorter elements, whose second moment about the centre is less
-            values = values.copy()
             values[1:-1] -= (1.0 - (dx / step) ** 2) / 24.0 * np.diff(values, 2, axis=0)
         return values[:rows]
 
     # Beyond the mesh, from the farthest steps to the nearest.
-    lengths = [dx * 2**doublings]
-    while 2 * first * lengths[-1] < 40.0 * reach:
-        lengths.append(2.0 * lengths[-1])
-    rise = table(2 * first + 4, lengths[-1])[: 2 * first + 1]
+    steps = [dx * 2**doublings]
+    while 2 * first * steps[-1] < 40.0 * lengths.max():
+        steps.append(2.0 * steps[-1])
+    values = table(2 * first + 4, steps[-1])
+    rise = values[: 2 * first + 1]
     unit = (rise[first] - rise[2 * first]) / np.log(2.0) if parity > 0.0 else rise[-1]
-    value = rise[-1:]
-    for step in reversed(lengths):
-        beyond = table(2 * first + 4, step)
-        value = _sweep(value[0], beyond[first - 2 :], step / reach)
+    end = np.broadcast_to(rise[-1], (lengths.size, ny))
+    for step in reversed(steps):
+        values = values if step == steps[-1] else table(2 * first + 4, step)
+        end = _sweep(end, values[None, first - 2 :], step / lengths)[:, 0]
     whole = table(first * 2**doublings + 4, dx)
-    ahead = _sweep(value[0], whole[near - 2 :], dx / reach)
+    ahead = _sweep(end, whole[None, near - 2 :], dx / lengths)
     if far:
-        line = np.concatenate((np.zeros((near, ny)), ahead))
-        return _Along(line, 0, unit, line[:0], near + 2, parts)
+        lines = np.concatenate((np.zeros((lengths.size, near, ny)), ahead), axis=1)
+        return _Along(lines, 0, unit, lines[:, :0], near + 2, parts)
     # Sums of parts of elements: K at parts.
     count = (near + 1) * parts + 4 + parts // 2
     fine = table(count, dx / parts) / parts
     fine = np.concatenate((parity * fine[:0:-1], fine)).cumsum(axis=0)
     fine = np.concatenate((np.zeros((1, ny)), fine))
     fine = fine[parts:] - fine[:-parts]
-    middle = _sweep(ahead[1], fine[1:], dx / parts / reach)
-    inner = middle[parts:-parts:parts]
-    behind = _sweep(inner[0], parity * whole[nx + 1 : near - 4 : -1], dx / reach)
-    line = np.concatenate((behind[:-1], inner[:-1], ahead))  # from -(nx - 1) on
-    return _Along(line, nx - 1, unit, middle, near, parts)
+    middles = _sweep(ahead[:, 1], fine[None, 1:], dx / parts / lengths)
+    inner = middles[:, parts:-parts:parts]
+    behind = _sweep(inner[:, 0], parity * whole[None, nx + 1 : near - 4 : -1], dx / lengths)
+    lines = np.concatenate((behind[:, :-1], inner[:, :-1], ahead), axis=1)  # from -(nx - 1) on
+    return _Along(lines, nx - 1, unit, middles, near, parts)
 
 
-def _mean_over_step(memory: _Along, rate: float, elements: float) -> tuple[np.ndarray, int]:
-    """Return C at elements, and the index of the loaded one.
+def _mean_over_step(memory: _Along, rates: np.ndarray, elements: float) -> tuple[np.ndarray, int]:
+    """Return C of each term at elements, and the index of the loaded one.
 
     With the bounded solution of N - T dN/dx = M, C(x) is T/d (N(x) - exp(-d/T) N(x + d)). What N is
     at the end does not matter.
@@ -509,42 +515,41 @@ def _mean_over_step(memory: _Along, rate: float, elements: float) -> tuple[np.nd
     Parameters
     ----------
     memory : _Along
-        M; without `middle` it is zero up to `near`, and C as well.
-    rate : float
+        M; without `middles` it is zero up to `near`, and C as well.
+    rates : ndarray, shape (terms,)
         Element over T.
     elements : float
         d over the element.
     """
-    line, start, _, middle, near, parts = memory
+    lines, start, _, middles, near, parts = memory
     whole, part = int(elements), elements - int(elements)
-    at, between = _solve_at(line[start + near - 2 :], rate, 0.0 * line[-1], part)
-    if len(middle):
+    at, between = _solve_at(lines[:, start + near - 2 :], rates, 0.0 * lines[:, -1], part)
+    if middles.size:
         finer = int(part * parts)
-        inner = middle[parts - 2 : 3 - parts]
-        inner, shifted = _solve_at(inner, rate / parts, at[0], part * parts - finer)
-        behind = _solve_at(line[: start - near + 4], rate, inner[0], part)
-        at = np.concatenate((behind[0][:-1], inner[:-1:parts], at))
-        shifted = shifted[finer::parts][: 2 * near]
-        between = np.concatenate((behind[1], shifted, between))
-    count = len(between) - whole
-    mean = at[:count] - np.exp(-rate * elements) * between[whole:]
-    mean /= rate * elements
-    if len(middle):
+        inner = middles[:, parts - 2 : 3 - parts]
+        inner, shifted = _solve_at(inner, rates / parts, at[:, 0], part * parts - finer)
+        behind = _solve_at(lines[:, : start - near + 4], rates, inner[:, 0], part)
+        at = np.concatenate((behind[0][:, :-1], inner[:, :-1:parts], at), axis=1)
+        shifted = shifted[:, finer::parts][:, : 2 * near]
+        between = np.concatenate((behind[1], shifted, between), axis=1)
+    count, fall = between.shape[1] - whole, np.exp(-rates * elements)[:, None, None]
+    mean = (at[:, :count] - fall * between[:, whole:]) / (rates * elements)[:, None, None]
+    if middles.size:
         return mean, start - 2
-    return np.concatenate((np.zeros((near, line.shape[1])), mean)), 0
+    return np.concatenate((np.zeros((len(mean), near, mean.shape[2])), mean), axis=1), 0
 
 
 def _solve_at(
-    values: np.ndarray, rate: float, end: np.ndarray, part: float
+    values: np.ndarray, rates: np.ndarray, end: np.ndarray, part: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the solution of `_sweep` at nodes, and at a part of the step after each but the last.
 
     Parameters as in `_sweep`; `end` is the solution at the last node.
     """
-    at, count = _sweep(end, values, rate), len(values) - 6
-    weights = _step_weights(rate, part)
-    added = sum(w * values[i : i + count] for i, w in enumerate(weights))
-    return at, added + np.exp(-rate * (1.0 - part)) * at[1:]
+    at, count = _sweep(end, values, rates), values.shape[1] - 6
+    weights = np.array([_step_weights(rate, part) for rate in rates.tolist()])
+    added = sum(weights[:, i, None, None] * values[:, i : i + count] for i in range(6))
+    return at, added + np.exp(-rates * (1.0 - part))[:, None, None] * at[:, 1:]
 
 
 def _at_datum(datum: float, reach: float, distance: float, parity: float) -> float:
@@ -576,29 +581,29 @@ def _at_datum(datum: float, reach: float, distance: float, parity: float) -> flo
     return float(0.5 * (np.exp(-r) * expi(r) - np.exp(r) * exp1(r)))
 
 
-def _sweep(start: np.ndarray, values: np.ndarray, rate: float) -> np.ndarray:
-    """Return M at equal steps from M at the last node, for values K at the nodes.
+def _sweep(end: np.ndarray, values: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """Return M of each term at equal steps from M at the last node, for values K at the nodes.
 
     Parameters
     ----------
-    start : ndarray, shape (n_y,)
+    end : ndarray, shape (terms, n_y)
         M at the last node.
-    values : ndarray, shape (n + 6, n_y)
+    values : ndarray, shape (terms or 1, n + 6, n_y)
         K at the nodes 0 ... n, with two more before and three after.
-    rate : float
+    rates : ndarray, shape (terms,)
         Step over T.
 
     Returns
     -------
-    ndarray, shape (n + 1, n_y)
+    ndarray, shape (terms, n + 1, n_y)
     """
-    count, ahead = len(values) - 6, 1
-    added = sum(w * values[i : i + count] for i, w in enumerate(_step_weights(rate)))
-    out = np.concatenate((added, start[None]))
-    # Sums of exp(-rate k) times the k-th value ahead: of 1, 2, 4, ... values.
-    while ahead <= count:
-        out[:-ahead] += np.exp(-rate * ahead) * out[ahead:]
-        ahead *= 2
+    # Scenes and results are read without compiled kernels.
+    from tractive_sam.kernels.linear_algebra import sum_from_end  # noqa: PLC0415
+
+    weights = np.array([_step_weights(rate) for rate in rates.tolist()])
+    out = np.empty((len(end), values.shape[1] - 5, end.shape[1]))
+    out[:, -1] = end
+    sum_from_end(np.ascontiguousarray(values), weights, np.exp(-rates), out)
     return out
 
 
@@ -608,11 +613,16 @@ def _step_weights(rate: float, start: float = 0.0) -> np.ndarray:
 
     It begins at a part of the step, where the exponential is 1.
     """
+    points, shares, polynomials = _step_polynomials()
     # Of the step only the part within reach of the exponential counts.
-    end, nodes = min(1.0 - start, 40.0 / rate), np.arange(-2, 4)
-    points, shares = np.polynomial.legendre.leggauss(24)
+    end = min(1.0 - start, 40.0 / rate)
     points = 0.5 * end * (1.0 + points)
     shares = 0.5 * end * shares * rate * np.exp(-rate * points)
-    points = start + points
-    factors = [[(points - j) / (i - j) for j in nodes if j != i] for i in nodes]
-    return np.array([shares @ np.prod(factor, axis=0) for factor in factors])
+    return shares @ np.vander(start + points, 6, increasing=True) @ polynomials
+
+
+@cache
+def _step_polynomials() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return Gauss points (24,), their weights, and powers of polynomials that are 1 at a node."""
+    points, weights = np.polynomial.legendre.leggauss(24)
+    return points, weights, np.linalg.inv(np.vander(np.arange(-2.0, 4.0), increasing=True))
