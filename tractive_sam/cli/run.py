@@ -175,7 +175,7 @@ def _modified_at(path: Path) -> int | None:
 
 def locus(
     scene: Annotated[
-        str | None, typer.Argument(metavar="[SCENE]", autocompletion=complete_scenes)
+        str | None, typer.Argument(metavar="SCENE", autocompletion=complete_scenes)
     ] = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE.csv", show_default=False)

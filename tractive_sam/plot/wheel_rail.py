@@ -171,7 +171,7 @@ def conicity_checks(checks: Sequence[ConicityCheck]) -> Figure:
     Examples
     --------
     >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-2.0, -1.0, 0.0, 1.0, 2.0])
-    >>> check = locus.check_conicity("S1002", "free roll", [1.0, 2.0], [0.4, 0.17], [0.05, 0.05])
+    >>> check = locus.check_conicity("S1002", "free roll", [2.0], [0.23], [0.05])
     >>> plot.conicity_checks([check])
     <Figure size ...>
     """

@@ -214,7 +214,7 @@ class ContactLocus:
         Examples
         --------
         >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-2.0, -1.0, 0.0, 1.0, 2.0])
-        >>> locus.check_conicity("S1002", "free roll", [2.0], [0.17], [0.05]).agrees
+        >>> locus.check_conicity("S1002", "free roll", [2.0], [0.23], [0.05]).agrees
         array([ True])
         """
         rows, reasons = [], []
