@@ -59,6 +59,14 @@ def test_alternative_is_removed(spheres, key, rival):
     assert given(back, key)
 
 
+def test_alternatives_of_a_wheel_on_a_rail():
+    scene = Scene.builtin("wheel-rail")
+    other = scene.with_set(["rail.origin=[750.0, 0.0]", "wheelset.normal_load=7e4"])
+    assert "gauge" not in other.entries()["rail"]
+    assert "load" not in other.entries()["wheelset"]
+    assert other.with_set(["rail.gauge=1435.0", "wheelset.load=80e3"]) == scene
+
+
 def test_both_alternatives_set_at_once_are_a_fault(spheres):
     with pytest.raises(SceneError, match=r"load\.(normal|approach)"):
         spheres.with_set(["load.normal=1", "load.approach=1"])

@@ -42,6 +42,8 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("friction.mu",), ("friction.static",)),
     (("friction.kinetic", "friction.half_speed"), ("friction.A", "friction.B")),
     (("load.tilt",), ("load.moment",)),
+    (("rail.gauge",), ("rail.origin",)),
+    (("wheelset.load",), ("wheelset.normal_load",)),
     (("gap.file",), ("gap.x", "gap.y", "gap.separation")),
     (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
     *(
