@@ -13,8 +13,8 @@ unknowns of one iteration.
 The linear systems are preconditioned by the circulant inverse for the pressure and by the
 kinematics for the tractions (`operators.kinematics`). They are solved by generalised conjugate
 residuals, so that no application of the elastic operator is lost: the response to a step is known
-unless a traction has to be returned to its bound. On large meshes they are solved by GMRES in
-single precision, which holds one vector of each iteration instead of three.
+unless a traction has to be returned to its bound. Where single precision is sufficient, and pays,
+GMRES solves them with an operator of a shorter period; it stores one vector of each iteration.
 """
 
 from collections.abc import Callable
@@ -358,8 +358,8 @@ class Newton:
     aim: float = 0.3
     rough: float = 1e-4
     rounding: float = 0.02
-    single_from: float = 5_000
-    gmres_from: float = 5_000
+    single_from: float = 1_500
+    gmres_from: float = 1_500
     inside: float = 0.999
 
     def solve(
