@@ -63,49 +63,33 @@ def fit(
     scene
         Also write the scene with the fitted values.
     """
-    if output.suffix != ".nc":
-        raise invalid_exit(f"{output}: the result is a netCDF file; use FILE.nc")
-    for path in filter(None, (output, scene)):
-        check_folder(path)
-    from tractive_sam.documents import FitDocument
-    from tractive_sam.fitting import Evaluations
-    from tractive_sam.fitting import fit as fit_design
+    from tractive_sam.output_file import write_file
 
-    note = f"{output} holds the computations so far; repeat the command to resume from them"
-    with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
-        began = printed = monotonic()
-        step = "first values"
+    step = "first values"
 
-        def report(done: Evaluations) -> None:
-            nonlocal printed, step
-            contacts, rolls, _ = done.cost
-            now, left, before = monotonic(), done.seconds_left(), step
-            if done.searched:
-                step = f"iteration {len(done.searched)}, chi-square {done.searched[-1][1]:.4g}"
-            step = done.part or step
-            text = f"{step}, {contacts} contacts, {rolls} rolls, {format_duration(now - began)}"
-            if left >= 1.0:
-                text += f"; search: about {format_duration(left)} left"
-            is_due = step != before or now - printed > 60.0
-            printed = now if is_due else printed
-            # The number of iterations is unknown until chi-square falls regularly.
-            share = (now - began) / (now - began + left) if left >= 0.0 else 0.0
-            update(share, text, text if is_due else "")
+    def describe(done: Any, cost: str, seconds: float) -> tuple[float, str, bool]:
+        nonlocal step
+        left, before = done.seconds_left(), step
+        if done.searched:
+            step = f"iteration {len(done.searched)}, chi-square {done.searched[-1][1]:.4g}"
+        step = done.part or step
+        text = f"{step}, {cost}"
+        if left >= 1.0:
+            text += f"; search: about {format_duration(left)} left"
+        # The number of iterations is unknown until chi-square falls regularly.
+        return seconds / (seconds + left) if left >= 0.0 else 0.0, text, step != before
 
-        result = fit_design(
-            file, output, workers=workers, overwrite=overwrite, next_test=design, progress=report
-        )
+    def compute(*arguments: Any, **options: Any) -> Any:
+        result = ts.fit(*arguments, next_test=design, **options)
+        if scene is not None:
+            write_file(scene, result.rounded_scene().to_toml())
+        return result
+
     if scene is not None:
-        from tractive_sam.output_file import write_file
-
-        write_file(scene, result.rounded_scene().to_toml())
-    if not quiet:
-        print_document(FitDocument(output, result))
-    print_message(f"{output}: {result.status}")
-    if result.status != "done":
-        raise incomplete_exit(
-            "no convergence; raise fit.iterations, or start from the values in the file"
-        )
+        check_folder(scene)
+    cure = "no convergence; raise fit.iterations, or start from the values in the file"
+    options: dict[str, Any] = {"workers": workers, "overwrite": overwrite}
+    _answer(compute, file, output, quiet, describe, cure, **options)
 
 
 def spread(
@@ -124,7 +108,8 @@ def spread(
     file
         A spread file (TOML): the scene, and the distributions of its uncertain keys.
     """
-    _answer(ts.spread, file, output, workers, scheduler, overwrite, quiet, say=print_note)
+    options: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "overwrite": overwrite}
+    _answer(ts.spread, file, output, quiet, say=print_note, **options)
 
 
 def design(
@@ -158,20 +143,26 @@ def design(
 
     if scene is not None:
         check_folder(scene)
-    _answer(compute, file, output, workers, scheduler, overwrite, quiet)
+    options: dict[str, Any] = {"workers": workers, "scheduler": scheduler, "overwrite": overwrite}
+    _answer(compute, file, output, quiet, **options)
 
 
 def _answer(
-    compute: Callable[..., Any], file: Path, output: Path, workers: int, scheduler: str | None,
-    overwrite: bool, quiet: bool, **options: Any,
-) -> Any:  # fmt: skip
+    compute: Callable[..., Any],
+    file: Path,
+    output: Path,
+    quiet: bool,
+    describe: Callable[..., tuple[float, str, bool]] | None = None,
+    cure: str = "",
+    **options: Any,
+) -> None:
     """Answer a question with progress, print the result, and exit unless it is done."""
-    from tractive_sam.documents import open_any
+    from tractive_sam.documents import find_kind
 
     if output.suffix != ".nc":
         raise invalid_exit(f"{output}: the result is a netCDF file; use FILE.nc")
     check_folder(output)
-    if scheduler is not None and workers:
+    if options.get("scheduler") is not None and options["workers"]:
         raise invalid_exit("--workers: not with a scheduler; start its workers by dask worker")
     note = f"{output} holds the computations so far; repeat the command to resume from them"
     with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
@@ -179,17 +170,18 @@ def _answer(
 
         def report(done: Any) -> None:
             nonlocal printed
-            contacts, rolls, _ = done.cost
-            text = f"{contacts} contacts, {rolls} rolls, {format_duration(monotonic() - began)}"
-            is_due = monotonic() - printed > 60.0
-            printed = monotonic() if is_due else printed
-            update(done.share, text, text if is_due else "")
+            now, (contacts, rolls, _) = monotonic(), done.cost
+            cost = f"{contacts} contacts, {rolls} rolls, {format_duration(now - began)}"
+            share, text, is_new = done.share, cost, False
+            if describe is not None:
+                share, text, is_new = describe(done, cost, now - began)
+            is_due = is_new or now - printed > 60.0
+            printed = now if is_due else printed
+            update(share, text, text if is_due else "")
 
-        result = compute(file, output, workers=workers, scheduler=scheduler, overwrite=overwrite,
-                         progress=report, **options)  # fmt: skip
+        result = compute(file, output, progress=report, **options)
     if not quiet:
-        print_document(open_any(output))
+        print_document(find_kind(output)(output, result))
     print_message(f"{output}: {result.status}")
     if result.status != "done":
-        raise incomplete_exit(f"{result.status}: {result.message}")
-    return result
+        raise incomplete_exit(cure or f"{result.status}: {result.message}")
