@@ -41,15 +41,16 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.mechanics import Steel, VolumeLife, Woehler, interpolate_over_depth
-from tractive_sam.results import BodyFatigue, widen_field
+from tractive_sam.results import BodyFatigue, State, widen_field
 from tractive_sam.scene import Fatigue, Scene, Spectrum
 from tractive_sam.schema import required
+from tractive_sam.subsurface import LocalSteel
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,6 +320,67 @@ class BodyDamage:
 
     near_largest: ClassVar[float] = 0.9
     """Damage, over the largest one, from which its error makes jumps shorter."""
+
+    @classmethod
+    def from_state(
+        cls,
+        state: Mapping[str, np.ndarray],
+        contact: State,
+        body: str,
+        depths: tuple[np.ndarray, np.ndarray],
+        passes: float,
+        initiation: float,
+    ) -> Self:
+        """Return the damage of a body from its stored `state`, to resume from.
+
+        Parameters
+        ----------
+        state : mapping of str to ndarray
+            By name with the body, also of files of earlier versions.
+        contact : State
+            The contact of the record.
+        body : str
+            "A" or "B".
+        depths : (ndarray, ndarray), shape (n_y,)
+            Depth worn off the body, and in a revolution, mm.
+        passes, initiation : float
+            See `BodyDamage`.
+        """
+        (worn, rate), grid, layer = depths, contact.grid, state.get(f"local_layer_{body}")
+        depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
+        damage, error, used, before = (
+            widen_rows(state[f"{name}_{body}"], grid.elements[1])
+            for name in ("damage", "damage_error", "utilisation", "utilisation_before")
+        )
+        missing = np.full(used.shape[1:], np.nan)  # in files of earlier versions
+        shear, radius = (
+            widen_rows(state.get(f"{name}_{body}", missing), grid.elements[1])
+            for name in ("residual_shear", "path_radius")
+        )
+        local = LocalSteel.from_contact(contact, body, depth, worn, None, layer)
+        steel, about = local.steel, (None, local.common_yield)
+        if steel.common_limit is not None and used.shape[-1] < steel.profiles * depth.size:
+            # Earlier versions stored one profile for all layers.
+            used, before = (
+                steel.stack(depth, values * (local.limit / steel.common_limit), local.layer)
+                for values in (used, before)
+            )
+        fatigue = BodyFatigue(body, grid.y, depth, used[0], shear, radius, *about, **local.fields())
+        fatigue = fatigue.with_damage(zeta, damage, worn)
+        restored = cls(fatigue, used, before, rate, passes, error, initiation)
+        largest = restored.blocks.max(axis=0)
+        return replace(restored, fatigue=replace(fatigue, utilisation=largest))
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """Damage, utilisation, shakedown stresses and depths, by name with body: `from_state`."""
+        names = "depth", "zeta", "damage", "residual_shear", "path_radius", "local_layer"
+        arrays = {name: getattr(self.fatigue, name) for name in names} | {
+            "utilisation": self.utilisation,
+            "utilisation_before": self.utilisation_before,
+            "damage_error": self.error,
+        }
+        return {f"{k}_{self.fatigue.body}": array for k, array in arrays.items() if array.size}
 
     @property
     def damage_error(self) -> float:
@@ -719,24 +781,6 @@ def stressed_volume(cycle: BodyFatigue, scene: Scene, law: VolumeLife) -> float:
     around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
     limit = required(_table(scene).limit, "fatigue.limit")
     return law.volume(cycle.y, cycle.depth, cycle.utilisation * limit, around)
-
-
-def volume_error_bars(
-    columns: Mapping[str, Any], bars: Mapping[str, float], law: VolumeLife
-) -> dict[str, dict[str, float]]:
-    """Return the error bars of `stressed_volume` and `volume_life` due to the mesh, by body.
-
-    If the integral depends on the mesh, its error bar is infinite.
-    """
-    errors: dict[str, dict[str, float]] = {"stressed_volume": {}, "volume_life": {}}
-    for body, volume in columns["stressed_volume"].items():
-        bar = math.inf if columns["volume_at_top"][body] > AT_TOP else bars.get(body, math.nan)
-        errors["stressed_volume"][body] = bar
-        if volume > 0.0:
-            smallest = 1.0 - bar / volume
-            longer = math.inf if smallest <= 0.0 else smallest ** (-1.0 / law.slope) - 1.0
-            errors["volume_life"][body] = columns["volume_life"][body] * longer
-    return errors
 
 
 def life_error_bars(

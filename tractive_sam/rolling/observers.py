@@ -45,9 +45,7 @@ from tractive_sam.rolling.body_damage import (
     shakedown_remark,
     surface_density_ratios,
     utilisation_columns,
-    volume_error_bars,
     widen_body,
-    widen_rows,
 )
 from tractive_sam.rolling.courses import expected_steps
 from tractive_sam.rolling.passage import Passage
@@ -59,7 +57,6 @@ from tractive_sam.subsurface import (
     InclusionGroup,
     InclusionStress,
     LiftedPass,
-    LocalSteel,
     around_inclusions,
     check_depths,
     course_fatigue,
@@ -427,22 +424,8 @@ class Damage(Observer):
     @property
     def state(self) -> dict[str, np.ndarray]:
         """Damage, utilisation, shakedown stresses and depths, by name with body, for `restore`."""
-        return {
-            f"{name}_{body}": values
-            for body, damage in self.bodies.items()
-            for name, values in (
-                ("depth", damage.fatigue.depth),
-                ("zeta", damage.fatigue.zeta),
-                ("damage", damage.fatigue.damage),
-                ("utilisation", damage.utilisation),
-                ("utilisation_before", damage.utilisation_before),
-                ("damage_error", damage.error),
-                ("residual_shear", damage.fatigue.residual_shear),
-                ("path_radius", damage.fatigue.path_radius),
-                ("local_layer", damage.fatigue.local_layer),
-            )
-            if values.size
-        }
+        each = (damage.state.items() for damage in self.bodies.values())
+        return {name: array for arrays in each for name, array in arrays}
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
         """Return all fatigue columns by name, with error bars from the recorded ones of the mesh.
@@ -464,7 +447,7 @@ class Damage(Observer):
             )
         if "stressed_volume" in columns and bars["stressed_volume"] is not None:
             law = required(model.laws.volume, "fatigue.volume")
-            volume = volume_error_bars(columns, bars["stressed_volume"], law)
+            volume = _volume_error_bars(columns, bars["stressed_volume"], law)
             columns |= {f"{name}_error": values for name, values in volume.items()}
         return columns
 
@@ -481,43 +464,30 @@ class Damage(Observer):
         by_body = history.values.get("initiation", unknown)[row]
         initiation = dict(zip(BODIES, by_body, strict=True))
         earlier = int(history["revolution"][max(row - 1, 0)])
-        scene, grid = passage.contact.scene, passage.grid
-        table = required(scene.fatigue, "fatigue")
-        bodies, k = dict[str, BodyDamage](), table.shear_yield_stress
-        shear_yield = math.nan if k is None else k
-        for body in table.bodies:
-            depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
-            damage, error, used, before = (
-                widen_rows(state[f"{name}_{body}"], grid.elements[1])
-                for name in ("damage", "damage_error", "utilisation", "utilisation_before")
-            )
-            worn, rate = passage.worn_depths(body)
-            missing = np.full(used.shape[1:], np.nan)  # in files of earlier versions
-            shear, radius = (
-                widen_rows(state.get(f"{name}_{body}", missing), grid.elements[1])
-                for name in ("residual_shear", "path_radius")
-            )
-            layer = state.get(f"local_layer_{body}")
-            at = passage.contact, body, depth, worn, None, layer
-            local = LocalSteel.from_contact(*at).fields()
-            fatigue = BodyFatigue(
-                body, grid.y, depth, used[0], shear, radius, None, shear_yield, **local
-            ).with_damage(zeta, damage, worn)
-            used, before = (_profiles_of_layers(fatigue, values) for values in (used, before))
-            passes, began = passage.turns[0].per_count[body], float(initiation[body])
-            restored = BodyDamage(fatigue, used, before, rate, passes, error, began)
-            largest = restored.blocks.max(axis=0)
-            bodies[body] = replace(restored, fatigue=replace(fatigue, utilisation=largest))
+        contact, per_count = passage.contact, passage.turns[0].per_count
+        bodies = dict[str, BodyDamage]()
+        for body in required(contact.scene.fatigue, "fatigue").bodies:
+            depths, about = passage.worn_depths(body), (per_count[body], float(initiation[body]))
+            bodies[body] = BodyDamage.from_state(state, contact, body, depths, *about)
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 
 
-def _profiles_of_layers(fatigue: BodyFatigue, stored: np.ndarray) -> np.ndarray:
-    """Return stored utilisations by groups of layers; earlier versions stored one profile."""
-    steel, depth = fatigue.steel, fatigue.depth
-    if steel.common_limit is None or stored.shape[-1] == steel.profiles * depth.size:
-        return stored
-    share = fatigue.local_limit / steel.common_limit
-    return steel.stack(depth, stored * share, fatigue.local_layer.astype(int))
+def _volume_error_bars(
+    columns: Mapping[str, Any], bars: Mapping[str, float], law: VolumeLife
+) -> dict[str, dict[str, float]]:
+    """Return the error bars of `stressed_volume` and `volume_life` due to the mesh, by body.
+
+    If the integral depends on the mesh, its error bar is infinite.
+    """
+    errors: dict[str, dict[str, float]] = {"stressed_volume": {}, "volume_life": {}}
+    for body, volume in columns["stressed_volume"].items():
+        bar = math.inf if columns["volume_at_top"][body] > AT_TOP else bars.get(body, math.nan)
+        errors["stressed_volume"][body] = bar
+        if volume > 0.0:
+            smallest = 1.0 - bar / volume
+            longer = math.inf if smallest <= 0.0 else smallest ** (-1.0 / law.slope) - 1.0
+            errors["volume_life"][body] = columns["volume_life"][body] * longer
+    return errors
 
 
 def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
