@@ -388,19 +388,39 @@ def load_rectangles(
     table = np.empty(offsets)
     x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
     distance, longest = np.hypot(x[:, None], y), max(sides)
-    close = np.nonzero(distance <= near * longest)
+    is_close = distance <= near * longest
+    close, far = np.nonzero(is_close), np.nonzero(~is_close)
     columns, rows = close[0].max() + 1, close[1].max() + 1
     low = heights <= near * longest
     corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
-    table[close] = corners[close]
     high = _Radial(component, heights[~low], amplitudes[:, ~low])
+    table[close] = corners[close]
     table[close] += _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
+    table[close] /= 2.0 * np.pi
+    table[far] = load_distant(component, x[far[0]], y[far[1]], sides, heights, amplitudes, near)
+    return table
+
+
+def load_distant(
+    component: str,
+    x: np.ndarray,
+    y: np.ndarray,
+    sides: tuple[float, float],
+    heights: np.ndarray,
+    amplitudes: np.ndarray,
+    near: float = 12.0,
+) -> np.ndarray:
+    """Return the displacement of surfaces at heights at places (n,) far from a loaded element.
+
+    They are at least `near` longest sides away. Other parameters as in `load_rectangles`.
+    """
+    longest, distance = max(sides), np.hypot(x, y)
     radial = _Radial(component, heights, amplitudes)
-    radial = radial.interpolated((near - 1.0) * longest, distance[-1, -1] + longest)
-    for least, most, points in ((near, 40.0, 3), (40.0, np.inf, 2)):
-        part = np.nonzero((distance > least * longest) & (distance <= most * longest))
-        table[part] = _integrate(radial.interpolate, x[part[0]], y[part[1]], sides, points)
-    return table / (2.0 * np.pi)
+    radial.interpolated((near - 1.0) * longest, distance.max(initial=longest) + longest)
+    values = np.empty(x.size)
+    for part, points in ((distance <= 40.0 * longest, 3), (distance > 40.0 * longest, 2)):
+        values[part] = _integrate(radial.interpolate, x[part], y[part], sides, points)
+    return values / (2.0 * np.pi)
 
 
 def _add_corners(
@@ -525,24 +545,24 @@ class _Radial:
 
 def load_strips(
     component: str,
-    offsets: tuple[int, int],
+    x: np.ndarray,
     dx: float,
     heights: np.ndarray,
     amplitudes: np.ndarray,
     datum: float,
     near: float = 12.0,
 ) -> np.ndarray:
-    """Return the displacement of strips at heights by a unit traction on a strip, mm/MPa.
+    """Return the displacement of strips at heights by a unit traction on a strip, mm/MPa, (n,).
 
-    As in `Strips`, displacements are zero on average at the distance `datum` from each load, and
-    columns other than the first are zero. The first height is 0.
+    As in `Strips`, displacements are zero on average at the distance `datum` from each load. The
+    first height is 0.
 
-    Parameters as in `Elasticity.coefficients` and `load_rectangles`.
+    Parameters as in `Elasticity.coefficients` and `load_rectangles`; `x` (n,) are distances from
+    the load, mm.
     """
-    table, x = np.zeros(offsets), dx * np.arange(offsets[0])
     rows = {"zz": amplitudes[0], "xx": amplitudes[1], "yy": amplitudes[2], "xz": -amplitudes[3]}
     if component not in rows:
-        return table
+        return np.zeros(x.size)
     (first, *_), d = rows[component], heights[1:]
     odd = component == "xz"
     surface = integrate_sign(x, dx) if odd else integrate_logarithm(x, dx, datum)
@@ -565,7 +585,6 @@ def load_strips(
         0.5 * dx * w * kernel(x + 0.5 * dx * t) for t, w in zip(nodes, weights, strict=True)
     )
     close = (x <= near * dx)[:, None] & (d <= near * dx)
-    corners = dx * (np.arange(offsets[0] + 1) - 0.5)
-    raised = np.where(close, np.diff(antiderivative(corners), axis=0), raised)
-    table[:, 0] = (first * surface + raised @ rows[component][1:]) / (2.0 * np.pi)
-    return table
+    exact = antiderivative(x + 0.5 * dx) - antiderivative(x - 0.5 * dx)
+    raised = np.where(close, exact, raised)
+    return (first * surface + raised @ rows[component][1:]) / (2.0 * np.pi)

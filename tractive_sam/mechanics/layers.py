@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.kernels.half_space import load_rectangles, load_strips
+from tractive_sam.kernels.half_space import integrals, load_distant, load_rectangles, load_strips
 from tractive_sam.mechanics.elasticity import (
     Elasticity,
     HalfSpaces,
@@ -677,7 +677,52 @@ class LinearHalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.coefficients`.
         """
-        return _coefficients(self, component, offsets, dx, dy)
+        (heights, amplitudes), (nx, ny) = self.images, offsets
+        if self.datum is not None:
+            table = np.zeros(offsets)
+            x = dx * np.arange(nx)
+            table[:, 0] = load_strips(component, x, dx, heights, amplitudes, self.datum)
+            return table
+        table = dx * _combine(component, integrals_of(dy / dx).at(nx, ny), amplitudes[:, 0])
+        if heights.size > 1:
+            stored = _stored_images(self, dx, dy)
+            images = stored.get(component, np.empty((0, 0)))
+            if images.shape[0] < nx or images.shape[1] < ny:
+                wider = max(images.shape[0], nx), max(images.shape[1], ny)
+                raised = heights[1:], amplitudes[:, 1:]
+                images = stored[component] = load_rectangles(component, wider, (dx, dy), *raised)
+            table += images[:nx, :ny]
+        return table
+
+    def distant_coefficients(
+        self, component: str, x: tuple[float, ...], rows: int, dx: float, dy: float
+    ) -> np.ndarray:
+        """Return influence coefficients at other places than `coefficients`, ahead of the load.
+
+        Parameters
+        ----------
+        component, dx, dy
+            See `coefficients`.
+        x : tuple of float
+            Distances, mm; of bodies with layers above 12 of the longest side.
+        rows : int
+            Number of offsets in y, from 0 on.
+
+        Returns
+        -------
+        ndarray, shape (len(x), rows)
+            mm/MPa.
+        """
+        heights, amplitudes = self.images
+        if self.datum is not None:
+            line = load_strips(component, np.array(x), dx, heights, amplitudes, self.datum)
+            return np.outer(line, np.arange(rows) == 0)
+        table = _combine(component, _distant_integrals(x, rows, dx, dy), amplitudes[:, 0])
+        if heights.size > 1:
+            at_x, at_y = np.repeat(x, rows), np.tile(dy * np.arange(rows), len(x))
+            images = heights[1:], amplitudes[:, 1:]
+            table += load_distant(component, at_x, at_y, (dx, dy), *images).reshape(table.shape)
+        return table
 
     def periodic(
         self, component: str, period: tuple[int, int], dx: float, dy: float
@@ -689,41 +734,7 @@ class LinearHalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.periodic`.
         """
-        heights, amplitudes = self.images
-        zz, LL, TT, _ = amplitudes
-        if component not in ("zz", "xx", "xy", "yy"):
-            return None
-        nx, ny = (np.fft.fftfreq(period[0]), np.fft.rfftfreq(period[1]))
-        # The load of an element also has waves that are shorter than two elements.
-        shorter = np.arange(-1.0, 2.0)
-        kx = 2.0 * np.pi * (nx + shorter[:, None]) / dx
-        ky = 2.0 * np.pi * (ny + shorter[:, None]) / dy
-        if self.datum is not None:
-            ky, dy = np.zeros((1, ny.size)), 1.0
-        longest = np.pi / (dx * period[0])  # half of the first wave number stands for 0
-        k = np.maximum(np.hypot(kx[:, None, :, None], ky[:, None, :]), longest)
-        sample = np.geomspace(longest, k.max(), 400)
-        fall = np.exp(-np.outer(sample, heights))
-        mean = np.sinc(kx * dx / (2.0 * np.pi))[:, None, :, None]
-        mean = mean * np.sinc(ky * dy / (2.0 * np.pi))[:, None, :] / k
-
-        def interpolate(amplitude: np.ndarray) -> np.ndarray:
-            return mean * np.interp(np.log(k), np.log(sample), fall @ amplitude)
-
-        along, across = (kx[:, None, :, None] / k) ** 2, (ky[:, None, :] / k) ** 2
-        match component:
-            case "zz":
-                waves = interpolate(zz)
-            case "xx":
-                waves = interpolate(TT) + along * interpolate(LL - TT)
-            case "yy":
-                waves = interpolate(TT) + across * interpolate(LL - TT)
-            case "xy":
-                waves = kx[:, None, :, None] * ky[:, None, :] / k**2 * interpolate(LL - TT)
-        # A line displaces by LL along x alone, also in the longest wave.
-        if self.datum is not None and component != "zz":
-            waves = interpolate({"xx": LL, "yy": TT}.get(component, 0.0 * LL))
-        return waves.sum(axis=(0, 1))
+        return _periodic_spectra(self, period, dx, dy).get(component)
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
         """Return length / E*, E* for waves that are as long as the contact, mm/MPa.
@@ -852,27 +863,67 @@ class LinearHalfSpaces(Elasticity):
         return HalfSpaces(*pair) if self.datum is None else Strips(*pair, self.datum)
 
 
-@lru_cache(24)
-def _coefficients(
-    law: LinearHalfSpaces, component: str, offsets: tuple[int, int], dx: float, dy: float
-) -> np.ndarray:
-    """Return influence coefficients (`Elasticity.coefficients`); the last ones are stored."""
-    heights, amplitudes = law.images
+def _combine(component: str, integrals: np.ndarray, amplitudes: np.ndarray) -> np.ndarray:
+    """Return influence coefficients from integrals of a surface (6, ...) and amplitudes (4,)."""
+    zz, LL, TT, Lz = amplitudes / (2.0 * np.pi)
+    r1, xx, yy, xy, x2, y2 = integrals
+    match component:
+        case "zz":
+            return zz * r1
+        case "xx" | "yy":
+            return LL * r1 + (TT - LL) * (xx if component == "xx" else yy)
+        case "xy":
+            return (TT - LL) * xy
+    return -Lz * (x2 if component == "xz" else y2)
+
+
+@lru_cache(4)
+def _periodic_spectra(
+    law: LinearHalfSpaces, period: tuple[int, int], dx: float, dy: float
+) -> dict[str, np.ndarray]:
+    """Return the spectra by component of `LinearHalfSpaces.periodic`."""
+    (heights, amplitudes), (px, py) = law.images, period
+    zz, LL, TT, _ = amplitudes
+    # The load of an element also has waves that are shorter than two elements.
+    shorter, half = np.arange(-1.0, 2.0)[:, None], (px - 1) // 2
+    kx = 2.0 * np.pi * (np.fft.fftfreq(px)[: px // 2 + 1] + shorter) / dx
+    ky = 2.0 * np.pi * (np.fft.rfftfreq(py) + shorter) / dy
     if law.datum is not None:
-        return load_strips(component, offsets, dx, heights, amplitudes, law.datum)
-    zz, LL, TT, Lz = amplitudes[:, 0]
-    r1, xx, yy, xy, x2, y2 = integrals_of(dy / dx).at(*offsets)
-    surface = {
-        "zz": zz * r1,
-        "xx": LL * r1 + (TT - LL) * xx,
-        "yy": LL * r1 + (TT - LL) * yy,
-        "xy": (TT - LL) * xy,
-        "xz": -Lz * x2,
-        "yz": -Lz * y2,
-    }[component] * (dx / (2.0 * np.pi))
-    if heights.size == 1:
-        return surface
-    return surface + load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
+        ky, dy = np.zeros((1, ky.shape[1])), 1.0
+    mean_x, mean_y = (np.sinc(k * d / (2.0 * np.pi)) for k, d in ((kx, dx), (ky, dy)))
+    kx, ky, mean_x = kx[:, None, :, None], ky[:, None], mean_x[:, None, :, None]
+    longest = np.pi / (dx * px)  # half of the first wave number stands for 0
+    square = np.maximum(kx * kx + ky * ky, longest**2)
+    mean = mean_x * mean_y[:, None] / np.sqrt(square)
+    if heights.size > 1:
+        sample = np.linspace(np.log(longest), 0.5 * np.log(square.max()), 400)
+        fall, place = np.exp(-np.outer(np.exp(sample), heights)), 0.5 * np.log(square)
+
+    def respond(amplitude: np.ndarray) -> np.ndarray:
+        if heights.size == 1:
+            return amplitude[0] * mean
+        return mean * np.interp(place, sample, fall @ amplitude)
+
+    def add(waves: np.ndarray, parity: int = 1) -> np.ndarray:
+        total = waves.sum(axis=(0, 1))
+        return np.concatenate((total, parity * total[half:0:-1]))
+
+    spectra = {"zz": add(respond(zz))}
+    if law.datum is not None:  # a line displaces by LL along x alone, also in the longest wave
+        spectra |= {"xx": add(respond(LL)), "yy": add(respond(TT)), "xy": 0.0 * spectra["zz"]}
+        return spectra
+    across, difference = add(respond(TT)), respond(LL - TT) / square
+    spectra |= {"xx": across + add(kx * kx * difference), "yy": across + add(ky * ky * difference)}
+    return spectra | {"xy": add(kx * ky * difference, -1)}
+
+
+_distant_integrals = lru_cache(4)(
+    lambda x, rows, dx, dy: integrals(np.array(x)[:, None], dy * np.arange(rows), dx, dy)
+)
+"""The kernel integrals at distances x and offsets in y, (6, len(x), rows), mm."""
+
+_stored_images = lru_cache(16)(lambda law, dx, dy: dict[str, np.ndarray]())
+"""Influence coefficients of images by component, for `LinearHalfSpaces.coefficients`."""
 
 
 def pair(A: SurfaceResponse, B: SurfaceResponse, datum: float | None = None) -> LinearHalfSpaces:

@@ -17,7 +17,7 @@ finite differences, has a further error for the place, and needs the displacemen
 
 M is integrated from far ahead to the element and beyond, step by step, with the exponential exact
 and K by polynomials of fifth degree: near the element at ninths of its length, since K has bends at
-its edges; farther away at elements; and beyond the mesh at elements that double in length.
+its edges; farther away at elements; and beyond the mesh at steps that double in length.
 
 **Steps.** In a step of a transient tractions are linear in time, in the frame of the contact, and
 the exponential is exact. The displacement by the memory is that of the steady memory of the
@@ -470,32 +470,26 @@ def _memory_along(
     parity = -1.0 if component in ("xz", "xy") else 1.0
     first, doublings = 12, int(np.log2(nx / 12))  # of the doubled length up to the mesh's end
 
-    def table(rows: int, step: float) -> np.ndarray:
-        """Return K at offsets of a step, of elements as long as it, per their length."""
-        values = law.coefficients(component, (rows + 1, ny), step, dy) * (dx / step)
-        if step > dx:  # to that of shorter elements, whose second moment about the centre is less
-            values[1:-1] -= (1.0 - (dx / step) ** 2) / 24.0 * np.diff(values, 2, axis=0)
-        return values[:rows]
-
-    # Beyond the mesh, from the farthest steps to the nearest.
+    # Beyond the mesh, from the farthest steps to the nearest, of at least twelve steps each.
     steps = [dx * 2**doublings]
     while 2 * first * steps[-1] < 40.0 * lengths.max():
         steps.append(2.0 * steps[-1])
-    values = table(2 * first + 4, steps[-1])
-    rise = values[: 2 * first + 1]
-    unit = (rise[first] - rise[2 * first]) / np.log(2.0) if parity > 0.0 else rise[-1]
-    end = np.broadcast_to(rise[-1], (lengths.size, ny))
-    for step in reversed(steps):
-        values = values if step == steps[-1] else table(2 * first + 4, step)
-        end = _sweep(end, values[None, first - 2 :], step / lengths)[:, 0]
-    whole = table(first * 2**doublings + 4, dx)
+    nodes = np.outer(steps, np.arange(first - 2, 2 * first + 4))
+    beyond = law.distant_coefficients(component, tuple(nodes.ravel().tolist()), ny, dx, dy)
+    beyond = beyond.reshape(*nodes.shape, ny)
+    end = beyond[-1, first + 2]
+    unit = (beyond[-1, 2] - end) / np.log(2.0) if parity > 0.0 else end
+    end = np.broadcast_to(end, (lengths.size, ny))
+    for step, values in zip(reversed(steps), beyond[::-1], strict=True):
+        end = _sweep(end, values[None], step / lengths)[:, 0]
+    whole = law.coefficients(component, (first * 2**doublings + 4, ny), dx, dy)
     ahead = _sweep(end, whole[None, near - 2 :], dx / lengths)
     if far:
         lines = np.concatenate((np.zeros((lengths.size, near, ny)), ahead), axis=1)
         return _Along(lines, 0, unit, lines[:, :0], near + 2, parts)
     # Sums of parts of elements: K at parts.
     count = (near + 1) * parts + 4 + parts // 2
-    fine = table(count, dx / parts) / parts
+    fine = law.coefficients(component, (count, ny), dx / parts, dy)
     fine = np.concatenate((parity * fine[:0:-1], fine)).cumsum(axis=0)
     fine = np.concatenate((np.zeros((1, ny)), fine))
     fine = fine[parts:] - fine[:-parts]
