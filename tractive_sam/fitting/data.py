@@ -64,11 +64,6 @@ class NoiseModel:
         names = [field.name for field in fields(cls)]
         return cls(*(np.concatenate([getattr(m, name).ravel() for m in models]) for name in names))
 
-    @property
-    def follows_prediction(self) -> bool:
-        """Whether a standard deviation depends on the prediction, with the residual linear."""
-        return bool(self.relative.any())
-
     def deviation(self, predicted: np.ndarray, observed: np.ndarray) -> np.ndarray:
         """Return the standard deviations of measured values at predictions, in their unit."""
         size = np.maximum(np.abs(predicted), self.smallest * np.abs(observed))

@@ -537,10 +537,6 @@ class Fit(Table):
         return tuple(f"{n} ({keys[k]})" if n and names.count(n) > 1 else n or keys[k]
                      for k, n in enumerate(names))  # fmt: skip
 
-    def settings_of(self, key: str) -> Parameter:
-        """Return the [[fit.parameter]] table of a free key; its default if there is none."""
-        return next((table for table in self.parameter if table.key == key), Parameter(key=key))
-
 
 class QuestionDocument(TomlTable):
     """File of a question to scenes: the table that is named as the question has them."""
@@ -715,7 +711,8 @@ class Parameters:
     @classmethod
     def of(cls, fit: Fit) -> Parameters:
         """Return the free parameters of a fit, with start, scale, bounds and priors."""
-        tables = [fit.settings_of(key) for key in fit.free]
+        given = {table.key: table for table in fit.parameter}
+        tables = [given.get(key) or Parameter(key=key) for key in fit.free]
         start = np.array([start_of(fit.scene, table.key, table.start) for table in tables])
         ends = [_bounds_of(fit, table) for table in tables]
         lower, upper = np.array(ends).T

@@ -253,15 +253,6 @@ def point_variables(best: Estimate, finer: np.ndarray | None) -> Variables:
     return variables
 
 
-def text_variables(texts: Mapping[str, list[str]]) -> Variables:
-    """Return a variable for each name with lines of text; none for an empty list."""
-    return {
-        name: ((f"{name}_line",), lines, "1", f"{name}, in words")
-        for name, lines in texts.items()
-        if lines
-    }
-
-
 def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
     """Return the attributes of the file of a fit: status, message, chi-square, counts, cost."""
     low, high = best.chi2_range(fit.level)

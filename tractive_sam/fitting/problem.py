@@ -524,7 +524,7 @@ class FitProblem:
         replies = self._replies({"": u}, derivatives)
         if replies is None:
             return np.full(self.observed.size, math.nan)
-        return self._collect(replies, "", u)
+        return self._collect(replies, u)
 
     def jacobian(self, u: np.ndarray) -> np.ndarray:
         """Return derivatives of predictions by coordinates, (points, size); FitError if one fails.
@@ -593,7 +593,7 @@ class FitProblem:
                     cases[n, "", k] = FitCase(scene, case.columns, case.places, seat=(n, k, 1))
         except SceneError:
             return np.full(self.observed.size, math.nan)
-        return self._collect(self._replies_of(cases), "", u)
+        return self._collect(self._replies_of(cases), u)
 
     def _moved(self, u: np.ndarray, k: int, side: float = 1.0) -> np.ndarray:
         """Return coordinates with the k-th one changed by a difference step within its bounds.
@@ -684,11 +684,11 @@ class FitProblem:
         """Places and messages of the computations that failed so far, by their digest."""
         return {}
 
-    def _collect(self, replies: Mapping[tuple, Reply], point: str, u: np.ndarray) -> np.ndarray:
-        """Return the predictions of all data sets at a point from its replies, shape (points,)."""
+    def _collect(self, replies: Mapping[tuple, Reply], u: np.ndarray) -> np.ndarray:
+        """Return the predictions of all data sets from the replies at u, shape (points,)."""
         predictions = []
         for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
-            each = [replies[n, point, k] for k in range(len(series.groups))]
+            each = [replies[n, "", k] for k in range(len(series.groups))]
             if series.measured.data.profile and each[0].failed:
                 predictions.append(np.full(series.measured.points, math.nan))
                 continue

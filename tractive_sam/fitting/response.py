@@ -91,7 +91,10 @@ def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
     if not answers:
         return {}
     numbers = [np.ravel(array) for answer in answers.values() for array in answer.numbers.values()]
-    layouts = [layout_of(answer.numbers) for answer in answers.values()]
+    layouts = [
+        json.dumps([[name, list(np.shape(array))] for name, array in answer.numbers.items()])
+        for answer in answers.values()
+    ]
     messages = [answer.message for answer in answers.values()]
     costs = [(answer.contacts, answer.rolls, answer.convolutions) for answer in answers.values()]
     flat = np.concatenate([np.zeros(0), *numbers, np.zeros(1)])
@@ -102,11 +105,6 @@ def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
         "answer_cost": (("answers", "cost"), costs, "1", "contacts, rolls, transforms"),
         "answer_numbers": (("numbers",), flat, "1", "numbers of all computations"),
     }
-
-
-def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
-    """Return the names and shapes of arrays as JSON text."""
-    return json.dumps([[name, list(np.shape(array))] for name, array in numbers.items()])
 
 
 def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:

@@ -32,7 +32,6 @@ from tractive_sam.fitting.fit_file import (
     point_variables,
     read_answers,
     test_variables,
-    text_variables,
     write_fit,
 )
 from tractive_sam.fitting.problem import FitProblem, Loss, Series
@@ -409,7 +408,9 @@ def _complete(
         **parameter_variables(best, intervals, shift),
         **point_variables(best, finer),
         **curve_variables(best, table),
-        **text_variables(texts),
+        **{
+            k: ((f"{k}_line",), lines, "1", f"{k}, in words") for k, lines in texts.items() if lines
+        },
         **test_variables(gains),
         **answer_variables(problem.evaluations.stored),
     }

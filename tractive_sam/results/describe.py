@@ -40,8 +40,12 @@ class SteadyBalance:
     @property
     def dissipated(self) -> str:
         """Quantity that the energy balance compares with the supplied work."""
-        relaxes = self.history.scene.has("body.relaxes")
-        return "friction and the bodies dissipate" if relaxes else "friction dissipates"
+        return "friction and the bodies dissipate" if self._relaxes else "friction dissipates"
+
+    @property
+    def _relaxes(self) -> bool:
+        """Whether a body dissipates work inside."""
+        return self.history.scene.has("body.relaxes")
 
     @property
     def energy(self) -> np.ndarray:
@@ -53,9 +57,8 @@ class SteadyBalance:
         supplied = history["work_supplied"]
         rounding = self.rounding * history["P"] * np.abs(history["approach"])
         driven = np.abs(supplied) > rounding / history.grid.half_length[0]
-        relaxes = history.scene.has("body.relaxes")
-        inside = history["bulk_dissipation"].sum(axis=1) if relaxes else 0.0
-        driven &= history.scene.has("friction") or relaxes
+        inside = history["bulk_dissipation"].sum(axis=1) if self._relaxes else 0.0
+        driven &= history.scene.has("friction") or self._relaxes
         return _ratio(history["dissipation"] + inside, supplied, driven)
 
     @property
@@ -116,9 +119,7 @@ class StepBalance(SteadyBalance):
     @property
     def dissipated(self) -> str:
         """Quantity that the energy balance compares with the supplied work."""
-        relaxes = self.history.scene.has("body.relaxes")
-        lost = "friction and the bodies dissipate" if relaxes else "friction dissipates"
-        return f"{lost} and the bodies store"
+        return f"{super().dissipated} and the bodies store"
 
     @property
     def energy(self) -> np.ndarray:

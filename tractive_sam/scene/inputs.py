@@ -79,11 +79,6 @@ class FileContent:
         first, *more = self.hashes.values()
         return hashlib.sha256("".join((first, *more)).encode()).hexdigest() if more else first
 
-    @property
-    def is_current(self) -> bool:
-        """Whether the content counts: it is fixed or stored, or the files still have it."""
-        return self.is_fixed or self.is_stored or not self.changed_files()
-
     def changed_files(self) -> list[str]:
         """Return the paths of the files whose content now differs, or that do not exist."""
         try:

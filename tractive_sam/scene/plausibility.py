@@ -85,18 +85,12 @@ class Peak:
     materials: Mapping[str, Material]
 
 
-def read_moduli(lower: float, upper: float) -> Callable[[Pair], Iterator[Reading]]:
-    """Return a function that yields Young's moduli of bodies with a Poisson's ratio in a range.
-
-    Parameters
-    ----------
-    lower, upper : float
-        Range of Poisson's ratio; the upper bound is excluded.
-    """
+def read_moduli(below: float) -> Callable[[Pair], Iterator[Reading]]:
+    """Return a function that yields Young's moduli of bodies with a Poisson's ratio below one."""
 
     def read(pair: Pair) -> Iterator[Reading]:
         for name, material in pair.bodies.materials.items():
-            if lower <= material.poisson < upper:
+            if 0.0 <= material.poisson < below:
                 yield Reading(f"body.{name}", material.young)
 
     return read
@@ -284,7 +278,7 @@ RULES = (
     Rule(
         "modulus in GPa",
         "bodies",
-        read_moduli(0.0, 0.45),
+        read_moduli(0.45),
         "E = {value:g} MPa is a value of soft plastics; is it in GPa? Steel has 2.1e5 MPa",
         "metals and ceramics have 30 to 1000 GPa; rubber, with a Poisson's ratio of 0.45 or more, "
         "may have 30 to 1000 MPa",
@@ -294,7 +288,7 @@ RULES = (
     Rule(
         "modulus beyond any material",
         "bodies",
-        read_moduli(0.0, np.inf),
+        read_moduli(np.inf),
         "E = {value:g} MPa is stiffer than any material; is it in Pa? Steel has 2.1e5 MPa",
         "diamond has 1.2e6 MPa; above 2e12, diamond in Pa with a margin, a rigid body is meant",
         above=2e6,

@@ -462,8 +462,11 @@ class Scene(TomlTable):
         SceneError
             If a file does not exist any more, or if the scene is not valid with a changed file.
         """
-        inputs = self.inputs.items()
-        changed = {key: str(file) for key, (file, content, _) in inputs if not content.is_current}
+        changed = {
+            key: str(file)
+            for key, (file, content, _) in self.inputs.items()
+            if not (content.is_fixed or content.is_stored) and content.changed_files()
+        }
         scene = self.replace(**changed) if changed else self
         files = {
             key: type(file).bind(file, replace(content, is_fixed=True))

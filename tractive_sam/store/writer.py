@@ -117,7 +117,6 @@ class HistoryWriter:
         path: str | Path,
         scene: Scene | None = None,
         records: int | None = None,
-        checkpoints: Checkpoints | None = None,
     ) -> Self:
         """Return a writer that drops records after the last resumable one and continues there.
 
@@ -129,8 +128,6 @@ class HistoryWriter:
             The scene from here on; by default the scene of the file.
         records : int, optional
             Number of records when the file was read to be resumed.
-        checkpoints : Checkpoints, optional
-            Schedule by which records are written to the disk.
 
         Raises
         ------
@@ -148,7 +145,7 @@ class HistoryWriter:
                 "another run writes it; wait for its end, then resume"
             )
         writer = cls.__new__(cls)
-        writer._initialise(path, (len(history.x), len(history.y)), checkpoints)
+        writer._initialise(path, (len(history.x), len(history.y)))
         scene = history.scene if scene is None else scene
         with atomic_rewrite(writer.path, empty=version == 1) as file:
             if version == 1:
@@ -166,7 +163,7 @@ class HistoryWriter:
         return writer
 
     def _initialise(
-        self, path: str | Path, mesh: tuple[int, int], checkpoints: Checkpoints | None
+        self, path: str | Path, mesh: tuple[int, int], checkpoints: Checkpoints | None = None
     ) -> None:
         """Set the attributes of a writer without pending records."""
         self.path, self._mesh, self._run = Path(path), mesh, uuid4().hex

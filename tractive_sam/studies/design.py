@@ -73,7 +73,6 @@ Key = Annotated[str, AfterValidator(_check_key)]
 Spacing = Literal["linear", "logarithmic"]
 
 _KEY = "a dotted key of a scene, like friction.angle"
-_SPACING = '"linear" or "logarithmic"'
 
 
 def _check_values(entries: ValidEntries) -> Iterator[Fault]:
