@@ -31,7 +31,8 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.studies import cases, estimate_times
-from tractive_sam.studies.cluster import on_cluster
+from tractive_sam.studies.cluster import Cluster
+from tractive_sam.studies.run import run_tasks
 from tractive_sam.studies.worker import Task
 
 ANGLES = [0, 15, 30, 45, 60, 75, 90]
@@ -205,7 +206,7 @@ def engine(scratch: Path) -> dict:
         with Client(address, set_as_default=False) as client:
             before = client.run_on_scheduler(_cpu_seconds)
         began, client_cpu = perf_counter(), _cpu_seconds()
-        assert len(list(on_cluster(tasks, address, lambda _: 0, print))) == IDLE_CASES
+        assert len(list(run_tasks(tasks, Cluster(address, print), print))) == IDLE_CASES
         took, client_cpu = perf_counter() - began, _cpu_seconds() - client_cpu
         with Client(address, set_as_default=False) as client:
             spent = client.run_on_scheduler(_cpu_seconds) - before

@@ -41,7 +41,7 @@ def test_what_has_a_room_of_its_own():
         "h5py",
         "matplotlib",
         "plotly",
-        "dask",
+        "distributed",
         "tomli_w",
     }
 

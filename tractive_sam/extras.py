@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 
 EXTRAS = {
-    "cryptography": "study",
     "dask": "study",
     "distributed": "study",
     "fmpy": "fmu",

@@ -15,7 +15,7 @@ import tractive_sam as ts
 from tractive_sam.cli import app
 from tractive_sam.schema import NamedLaw, load_law_class, named_law
 from tractive_sam.store.layout import set_scene
-from tractive_sam.studies.cluster import _call_with_laws
+from tractive_sam.studies.pool import call_with_laws
 from tractive_sam.tables.solving import Job, solve_jobs
 
 FILM_LAWS = '''
@@ -304,7 +304,7 @@ class TestImports:
         assert CliRunner().invoke(app, [*command[:2], "--allow", "no name"]).exit_code == 2
         assert not received.exists()
         assert CliRunner().invoke(app, command).exit_code == 0
-        allowed_there = _call_with_laws(("other:Law",), ts.allow_laws)
+        allowed_there = call_with_laws(("other:Law",), (ts.allow_laws,))
         assert allowed_there == ("other:Law", "received:Film")
 
     @pytest.mark.usefixtures("received")

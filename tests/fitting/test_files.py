@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from contextlib import ExitStack, nullcontext
 
 import numpy as np
 import pytest
@@ -252,22 +251,22 @@ def test_faults_are_listed_by_the_command(rig, tmp_path):
 def test_only_long_computations_are_distributed(seconds, monkeypatch, spheres):
     sent = []
 
-    def computed(calls, *_):
-        sent.extend(calls)
-        yield from enumerate(call(*arguments) for call, *arguments in calls)
+    class Here:
+        """Workers that are this process."""
 
-    monkeypatch.setattr("tractive_sam.studies.computed", computed)
-    monkeypatch.setattr("tractive_sam.studies.local_cluster", lambda _: nullcontext(("", None)))
+        def run(self, calls):
+            sent.extend(calls)
+            yield from enumerate(call(*arguments) for call, *arguments in calls)
+
     cases = [FitCase(spheres, ("Qx",), seat=(0, k % 2)) for k in range(4)]
     monkeypatch.setattr(
         "tractive_sam.fitting.case.compute", lambda case, start=None: (case.seat, None)
     )
-    with ExitStack() as stack:
-        workers = InWorkers(2, stack)
-        assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
-        assert not sent  # how long a case takes is not known yet
-        workers.here.seconds[:] = [seconds]
-        assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
+    workers = InWorkers(Here())
+    assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
+    assert not sent  # how long a case takes is not known yet
+    workers.here.seconds[:] = [seconds]
+    assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
     assert len(sent) == (2 if seconds > 1.0 else 0)  # a call for each seat
 
 

@@ -18,7 +18,7 @@ from tractive_sam.fitting.distributions import Input, Uncertain
 from tractive_sam.fitting.fit_file import write_fit
 from tractive_sam.fitting.response import label_of
 from tractive_sam.store import ResultsError, write_netcdf
-from tractive_sam.studies import SchedulerLostError, cluster
+from tractive_sam.studies import SchedulerLostError
 
 KEYS = ("load.normal", "friction.mu", "creepage.spin")
 
@@ -562,10 +562,13 @@ def test_the_command_computes_and_explains(slipping, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_workers_of_a_scheduler_compute_the_same(slipping, tmp_path, monkeypatch):
     """A spread and a design, on a scheduler with one worker on this machine."""
+    distributed = pytest.importorskip("distributed", reason="it is of the extra study")
     monkeypatch.setattr(case, "InWorkers", partial(case.InWorkers, worthwhile=0.0))
     free = [{"key": "load.normal", "lower": 0.3, "upper": 1.0}]
     table = {"scene": slipping, "minimise": "p_max", "free": free, "mesh_check": False}
-    with cluster.local_cluster(1, encrypted=False) as (address, _):
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None}
+    with distributed.LocalCluster(**options) as cluster:
+        address = cluster.scheduler_address
         found = ts.spread(design_of(slipping), tmp_path / "s.nc", scheduler=address)
         best = ts.design(table, tmp_path / "d.nc", scheduler=address)
         spread_file = tmp_path / "s.toml"

@@ -1,6 +1,5 @@
 """Scheduler and workers as separate programs, killed at critical moments."""
 
-import gc
 import os
 import signal
 import socket
@@ -12,10 +11,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from tractive_sam.store import ResultsError
 from tractive_sam.studies import SchedulerLostError, Study, cluster, open_study, study
 
-psutil = pytest.importorskip("psutil", reason="psutil comes with dask.distributed")
 distributed = pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
 
 pytestmark = pytest.mark.slow  # processes that start, are killed and start again
@@ -108,9 +105,9 @@ class Programs:
         always = ("--nthreads", "1", "--nworkers", count, "--no-dashboard")
         return self.start("dask", "worker", self.address, *always, *options)
 
-    def client(self, *options):
-        options = options or ("--scheduler", self.address)
-        return self.start("tractive_sam", "study", "study.toml", "-o", "results", *options)
+    def client(self):
+        options = ("-o", "results", "--scheduler", self.address)
+        return self.start("tractive_sam", "study", "study.toml", *options)
 
     def read_log(self):
         return (self.folder / "log.txt").read_text()
@@ -210,111 +207,9 @@ def test_lost_processes(programs, wanted):
     assert_same(programs.results(), wanted)
 
 
-def test_signal_to_all_processes_of_a_command(programs, wanted):
-    """As a terminal sends it: the client reports it and ends all of them."""
-    client = programs.client("--workers", "1")
-    programs.until_cases_wait(1, client)
-    os.killpg(client.pid, signal.SIGINT)
-    assert ended(client, programs.read_log) == 3, programs.read_log()
-    assert "Traceback" not in programs.read_log()
-    assert "CancelledError" not in programs.read_log()
-    assert "repeat the command to continue" in programs.read_log()
-    until(lambda: not alive(client.pid))
-    assert_same(study(STUDY, programs.folder / "results", workers=0), wanted)
-
-
-def alive(group):
-    """Whether any process of a group is."""
-    try:
-        os.killpg(group, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def test_keys_need_cryptography(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "cryptography", None)
-    with (
-        pytest.raises(ResultsError, match="pip install cryptography"),
-        cluster.local_cluster(1, True),
-    ):
-        pass
-    with pytest.raises(ValueError, match="tls://"):
-        study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9", encrypted=True)
-
-
 def test_a_missing_scheduler_is_found_without_a_client(tmp_path, monkeypatch):
     """A client without scheduler closes itself when it is collected, and may wait for a lock."""
     monkeypatch.setattr(cluster, "WAITS", cluster.Waits(first=0.1, pause=0.2))
     monkeypatch.setattr("distributed.Client", lambda *_, **__: pytest.fail("a client was made"))
     with pytest.raises(SchedulerLostError, match=r"tcp://127\.0\.0\.1:9"):
         study(STUDY, tmp_path, scheduler="tcp://127.0.0.1:9")
-
-
-@pytest.fixture(scope="module")
-def local_cluster():
-    """A scheduler and one worker on this machine: its address and its keys."""
-    with cluster.local_cluster(1) as (address, security):
-        yield address, security
-
-
-def test_processes_listen_to_this_machine_only(local_cluster):
-    assert local_cluster[0].startswith("tls://127.0.0.1:")
-    listening = [one for one in psutil.net_connections("inet") if one.status == "LISTEN"]
-    ours = {os.getpid(), *(one.pid for one in psutil.Process().children(recursive=True))}
-    heard = {one.laddr for one in listening if one.pid in ours}
-    assert {one.ip for one in heard} == {"127.0.0.1"}
-    assert len(heard) == 3  # scheduler, nanny and worker; none for browsers
-    for port in {one.port for one in heard}:
-        assert not read_answer(port)
-
-
-def read_answer(port):
-    """Return what a port sends to a browser, and to a client of dask, without keys."""
-    found = b""
-    for words in (b"GET / HTTP/1.0\r\n\r\n", bytes(8)):
-        with suppress(OSError), socket.create_connection(("127.0.0.1", port), 5) as connection:
-            connection.settimeout(1)
-            connection.sendall(words)
-            answer = connection.recv(1000)
-            # An alert of TLS, which closes the connection, is no answer.
-            found += b"" if answer[:1] == b"\x15" else answer
-    return found
-
-
-def test_only_clients_with_the_keys_are_admitted(local_cluster):
-    address, security = local_cluster
-    with distributed.Client(address, security=security, set_as_default=False) as client:
-        assert client.submit(abs, -1).result() == 1
-    for scheme in ("tls", "tcp"):
-        at = address.replace("tls://", f"{scheme}://")
-        with pytest.raises((OSError, TypeError, ValueError)):
-            distributed.Client(at, timeout=2, set_as_default=False)
-        # A refused client closes itself when it is collected: that must not happen while the next
-        # one starts, because both wait for one lock.
-        gc.collect()
-
-
-def test_processes_without_keys_speak_tcp():
-    with (
-        cluster.local_cluster(0, encrypted=False) as (address, security),
-        distributed.Client(address, set_as_default=False) as client,
-    ):
-        assert (address[:6], security) == ("tcp://", None)
-        assert client.scheduler_info()["workers"] == {}
-
-
-def test_calls_of_a_killed_worker_are_made_again(tmp_path, local_cluster):
-    """Its nanny starts another one."""
-
-    def killed_once(place, folder):
-        if place == 1 and not (folder / "was-here").exists():
-            (folder / "was-here").touch()
-            os.kill(os.getpid(), signal.SIGKILL)
-        return 10 * place
-
-    address, security = local_cluster
-    calls = [(killed_once, place, tmp_path) for place in range(3)]
-    found = dict(cluster.computed(calls, address, lambda _: None, security))
-    assert (tmp_path / "was-here").exists()
-    assert found == {0: 0, 1: 10, 2: 20}

@@ -276,8 +276,8 @@ def test_what_goes_wrong_in_a_run_is_not_laid_to_the_folder(tmp_path):
 
 def test_without_dask_the_cure_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(cluster, "find_spec", lambda name: None)
-    with pytest.raises(ResultsError, match=r"pip install '\.\[study\]'"):
-        study(small(), tmp_path, workers=2)
+    with pytest.raises(ResultsError, match=r"pip install '\.\[study\]'.*--workers"):
+        study(small(), tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
 def test_study_whose_file_was_spoilt(tmp_path):

@@ -114,7 +114,6 @@ def test_rolled_scenes_keep_their_last_record(tmp_path):
 
 @pytest.mark.slow  # processes that start
 def test_numbers_do_not_hang_on_the_workers(tmp_path):
-    pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
     one = study(scalars(), tmp_path / "one", workers=0)
     states = []
     # In chains, each from its own first case.

@@ -30,7 +30,6 @@ def study(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")],
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS")] = None,
     workers: Annotated[int | None, typer.Option(min=0, metavar="N")] = None,
-    encrypted: Annotated[bool | None, typer.Option("--encrypted/--unencrypted")] = None,
     allow: Allow = None,
     quiet: Quiet = False,
 ) -> None:
@@ -49,16 +48,11 @@ def study(
         Number of processes on this machine, without a scheduler; with 0, this process computes
         one case after another. By default, one for each core, or 0 if starting them would take
         longer than the work.
-    encrypted
-        Whether the processes on this machine use TLS, so that other users of the machine cannot
-        run programs through them; by default, they do.
     """
     from tractive_sam import studies
     from tractive_sam.documents import StudyDocument
 
     check_workers(scheduler, workers)
-    if scheduler is not None and encrypted:
-        raise invalid_exit(f"--encrypted: {studies.SCHEDULER_ENCRYPTS}")
     cure = f"repeat the command to continue the study in {output}"
     with report_interrupt(cure), refuse(studies.SchedulerLostError, status=ExitStatus.INCOMPLETE):
         with report_warnings():
@@ -69,7 +63,6 @@ def study(
                 output,
                 scheduler=scheduler,
                 workers=workers,
-                encrypted=encrypted,
                 progress=lambda state: update(state.share, *_describe_progress(state)),
                 say=print_note,
             )

@@ -8,7 +8,7 @@ import hashlib
 import math
 import warnings
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import itemgetter
@@ -26,6 +26,7 @@ from tractive_sam.results import BODIES, COLUMNS, Grid, History, State, index_by
 from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, SeveralSolutionsWarning
+from tractive_sam.studies import Workers, computed, open_workers
 
 RESULTS = ("Qx", "Qy", "Mz", "approach", "P", "xi_x", "xi_y", "spin")
 """Rows and columns of the Jacobian, see `State.jacobian`."""
@@ -349,31 +350,24 @@ def compute_in_turn(cases: Sequence[FitCase]) -> list[Answer]:
 
 @dataclass
 class InWorkers:
-    """Computes cases in worker processes of this machine, short ones in this process.
+    """Computes cases in worker processes, short ones in this process.
 
     A worker computes all contacts of one seat, which start from the same contact.
 
     Attributes
     ----------
-    number : int
-        Processes.
-    stack : ExitStack
-        Ends the processes.
-    say : callable
-        Called with a text if something has to be waited for.
+    workers : Workers
+        Worker processes.
     worthwhile : float
         Least CPU time of all cases that are computed together, s, in this process: shorter ones
-        take longer in workers, which need seconds to start and know no contact to start from.
+        take longer in workers, which need time to start and know no contact to start from.
     here : InProcess
         Computes what is not worthwhile, and what comes first.
     """
 
-    number: int
-    stack: ExitStack
-    say: Callable[[str], None] = print
+    workers: Workers
     worthwhile: float = 2.0
     here: InProcess = field(default_factory=InProcess)
-    _cluster: tuple[str, Any] | None = None
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
         """Yield (index, answer) of each case as it is computed (`Compute`)."""
@@ -381,18 +375,12 @@ class InWorkers:
         if not times or median(times) * len(cases) < self.worthwhile:
             yield from self.here(cases)
             return
-        # dask is an extra, and takes long to load
-        from tractive_sam.studies import computed, local_cluster  # noqa: PLC0415
-
-        if self._cluster is None:
-            self._cluster = self.stack.enter_context(local_cluster(self.number))
         groups: dict[tuple, list[int]] = {}
         for k, case in enumerate(cases):
             groups.setdefault(case.seat if case.is_steady else (k,), []).append(k)
         places = list(groups.values())
         calls = [(compute_in_turn, [cases[k] for k in group]) for group in places]
-        address, security = self._cluster
-        for n, answers in computed(calls, address, self.say, security):
+        for n, answers in computed(calls, self.workers):
             yield from zip(places[n], answers, strict=True)
 
 
@@ -410,11 +398,8 @@ def compute_with(number: int, scheduler: str | None = None) -> Iterator[Compute]
     if not number and scheduler is None:
         yield InProcess()
         return
-    from tractive_sam.studies import check_installed  # noqa: PLC0415 - loads dask
-
-    check_installed()
-    with ExitStack() as stack:
-        yield InWorkers(number, stack, _cluster=None if scheduler is None else (scheduler, None))
+    with open_workers(number, scheduler) as workers:
+        yield InWorkers(workers)
 
 
 @dataclass

@@ -49,8 +49,9 @@ The file of a study
 
 Processes and workers
 ---------------------
-Cases run on processes of this machine, or on the workers of any scheduler of dask.distributed.
-Workers need this package, one thread each, and the folder of the study under one name::
+Cases run on processes of this machine, which open no port, or on the workers of any scheduler of
+dask.distributed. These need this package, one thread each, and the folder of the study under one
+name::
 
     dask scheduler                                         # says its address
     dask worker ADDRESS --nthreads 1 --nworkers 16         # on every machine
@@ -76,12 +77,9 @@ A job that meets its walltime is a worker that dies: its cases continue in the n
 Who may hand out work
 ---------------------
 Whoever reaches the port of a scheduler or worker of dask.distributed can have it run any program in
-your name: dask needs no password. Processes that this package starts listen to 127.0.0.1 alone,
-which keeps other machines out, and speak TLS with keys that live as long as the study, which keeps
-out other users of this one; the package cryptography makes them. ``tractive-sam study ...
---unencrypted`` (`study(..., encrypted=False)`) does without. A scheduler of your own listens to all
-interfaces by default, and so does its dashboard: start it with ``--host`` on a network
-that you trust and with ``--no-dashboard``, or with TLS, see
+your name: dask needs no password. Processes that this package starts have no port, but pipes. A
+scheduler of your own listens to all interfaces by default, and so does its dashboard: start it with
+``--host`` on a network that you trust and with ``--no-dashboard``, or with TLS, see
 https://distributed.dask.org/en/stable/tls.html; its address then begins with ``tls://``, and the
 keys are found by dask's configuration. A folder of results is safe to receive: reading one runs
 nothing of it.
@@ -100,7 +98,8 @@ other axes: cases are identified by the hash of their scenes. If a worker dies, 
 another one and continues from its results file; one process at a time writes a file. A client that
 loses its scheduler waits for it, or for another one at that address, for ten minutes; the workers
 of a scheduler end with it, and have to be started again as well. If the client dies, cases that
-have begun end on their workers, and the next client finds them.
+have begun end on the workers of a scheduler, and the next client finds them; processes of this
+machine end with their client, and the next one resumes their cases.
 """
 
 from tractive_sam.lazy_names import attach_names, with_renamed

@@ -2,8 +2,7 @@
 
 from .cluster import SchedulerLostError as SchedulerLostError
 from .cluster import check_installed as check_installed
-from .cluster import computed as computed
-from .cluster import local_cluster as local_cluster
+from .cluster import open_workers as open_workers
 from .design import SAMPLE as SAMPLE
 from .design import Axis as Axis
 from .design import Bounds as Bounds
@@ -17,11 +16,12 @@ from .design import cases as cases
 from .design import is_study as is_study
 from .figures import save_figures as save_figures
 from .figures import study_figures as study_figures
+from .pool import Workers as Workers
+from .pool import computed as computed
 from .results import STATUSES as STATUSES
 from .results import CaseRow as CaseRow
 from .results import StudyResults as StudyResults
 from .results import open_study as open_study
-from .run import SCHEDULER_ENCRYPTS as SCHEDULER_ENCRYPTS
 from .run import StudyProgress as StudyProgress
 from .run import estimate_times as estimate_times
 from .run import explain_study as explain_study

@@ -2,12 +2,14 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cache
 from os import PathLike
 from pathlib import Path
 from time import sleep
+from traceback import format_exception
+from typing import Any
 
 import numpy as np
 
@@ -20,16 +22,21 @@ from tractive_sam.run import SequentialRuns, explain, memory
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault
 from tractive_sam.store import ResultsError, open_history, read_gap
-from tractive_sam.studies import cluster
+from tractive_sam.studies.cluster import WAITS, open_workers
 from tractive_sam.studies.design import Case, Study, StudyError, cases
+from tractive_sam.studies.pool import Call, WorkerDiedError, Workers
 from tractive_sam.studies.results import Folder, StudyResults, open_study
 from tractive_sam.studies.worker import (
     COMPLETE,
+    FAILED,
     LOCKED,
     CaseOutcome,
+    Chain,
     Task,
+    make_chains,
     neighbour_order,
     run_case,
+    run_chain,
     run_neighbour,
 )
 
@@ -193,11 +200,6 @@ def _file_size(model: Model, empty: float = 2e5) -> float:
     return empty + 8.0 * numbers
 
 
-SCHEDULER_ENCRYPTS = (
-    "a scheduler is encrypted by the configuration of dask; its address then begins with tls://"
-)
-
-
 @dataclass(frozen=True)
 class StudyProgress:
     """Progress of a study when a case has ended: the case and the remaining time.
@@ -240,7 +242,6 @@ def study(
     *,
     scheduler: str | None = None,
     workers: int | None = None,
-    encrypted: bool | None = None,
     progress: Callable[[StudyProgress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResults:
@@ -267,9 +268,6 @@ def study(
         Without a scheduler: number of processes on this machine. With 0, the cases are computed in
         this process, one after another. By default one for each core, or 0 if the work is shorter
         than their start.
-    encrypted : bool, optional
-        Whether the processes of this machine use TLS, so that no other user of it can submit work
-        to them; needs the package cryptography, of the extra study. They do unless it is False.
     progress : callable, optional
         Called at the beginning, and whenever a case has ended.
     say : callable, optional
@@ -285,10 +283,9 @@ def study(
     StudyError
         With the faults of the study and of all its scenes, or if the memory is too small for the
         processes; no case has been run then.
-    ValueError
-        If `encrypted` is set together with a scheduler.
     ResultsError
-        If the folder cannot be used or made, or dask is not installed or cannot read the address.
+        If the folder cannot be used or made, if workers cannot start, or, with a scheduler, if dask
+        is not installed or cannot read the address.
     SchedulerLostError
         If the scheduler does not exist or was lost; complete cases remain complete.
     OSError
@@ -305,21 +302,30 @@ def study(
     >>> results.column("Qx_over_P").round(1)
     array([0.2, 0.3])
     """
-    if scheduler is not None and encrypted:
-        raise ValueError(f"encrypted: {SCHEDULER_ENCRYPTS}")
     requested = requested if isinstance(requested, Study) else Study.from_toml(requested)
-    all_cases, folder = cases(requested), Folder(directory)
-    report, say = progress or (lambda _: None), say or (lambda _: None)
-    with folder.lock(requested):
+    report, say, folder = progress or (lambda _: None), say or (lambda _: None), Folder(directory)
+    with ExitStack() as stack:
+        pool = None
+        if scheduler is not None or workers:  # they start while the cases are checked
+            pool = stack.enter_context(open_workers(workers or 0, scheduler, say))
+        all_cases = cases(requested)
+        stack.enter_context(folder.lock(requested))
         if note := folder.log.read().damage_note:
             say(note)
             folder.log.drop_damaged()
         tasks, done = remaining_tasks(folder, all_cases, requested)
         # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
+        # Processes take a second to start: less work is done in this one.
+        if scheduler is None and workers is None and total > 10.0:
+            workers = cores()
+            pool = stack.enter_context(open_workers(workers))
+        if workers and tasks:
+            check_memory([task.case for task in tasks], workers)
         ended, failed, share = done, 0, 0.0
         report(StudyProgress(len(all_cases), ended, failed, share))
-        for task, outcome in _run_tasks(tasks, scheduler, workers, encrypted, say):
+        outcomes = _run_in_process(tasks, say) if pool is None else run_tasks(tasks, pool, say)
+        for task, outcome in outcomes:
             if outcome.status == COMPLETE:
                 folder.log_complete(task, outcome)
             else:
@@ -361,31 +367,73 @@ def remaining_tasks(folder: Folder, cases: list[Case], requested: Study) -> tupl
     return tasks, len(cases) - len(remaining)
 
 
-def _run_tasks(
-    tasks: list[Task],
-    scheduler: str | None,
-    workers: int | None,
-    encrypted: bool | None,
-    log: Callable[[str], None],
+def run_tasks(
+    tasks: list[Task], workers: Workers, log: Callable[[str], None]
 ) -> Iterator[tuple[Task, CaseOutcome]]:
-    """Run tasks in this process, on local workers or a cluster; yield (task, outcome)."""
-    if not tasks:
-        return
-    # Processes take seconds to start: less work is done in this one.
-    if scheduler is None and workers is None and sum(task.seconds for task in tasks) < 10.0:
-        workers = 0
-    if workers == 0 and scheduler is None:
-        yield from _run_in_process(tasks, log)
-        return
-    cluster.check_installed()
-    if scheduler is not None:
-        chosen: AbstractContextManager = nullcontext((scheduler, None))
-    else:
-        count = workers or cores()
-        check_memory([task.case for task in tasks], count)
-        chosen = cluster.local_cluster(count, encrypted is not False)
-    with chosen as (address, security):
-        yield from cluster.on_cluster(tasks, address, _count_records, log, security)
+    """Run tasks on workers; yield (task, outcome) as they end.
+
+    Parameters
+    ----------
+    tasks : list of Task
+        The tasks.
+    workers : Workers
+        The workers.
+    log : callable
+        Called with a message about what is waited for.
+    """
+    remaining = {task.case.digest: task for task in tasks}
+    killed: dict[str, int] = {}
+    waiting = False
+    while remaining:
+        chains = make_chains(remaining.values(), single=killed)
+        locked = False
+        for k, answer in workers.run([_worker_call(chain) for chain in chains]):
+            for task, outcome in zip(chains[k], _outcomes(answer, len(chains[k])), strict=True):
+                if outcome is None and len(chains[k]) > 1:
+                    killed[task.case.digest] = 0  # single cases show which one killed the worker
+                    continue
+                ended = outcome or _judge_death(task, killed)
+                if ended is not None and ended.status != LOCKED:
+                    del remaining[task.case.digest]
+                    yield task, ended
+                locked |= ended is not None and ended.status == LOCKED
+        if locked:
+            if not waiting:
+                log(f"waiting for {len(remaining)} cases, which other processes compute")
+            waiting = True
+            sleep(WAITS.pause)
+
+
+def _worker_call(chain: Chain) -> Call:
+    """Return the call of a worker for a chain of tasks."""
+    first = chain[0]
+    if first.file is not None:
+        return run_case, first.case.scene, str(first.file)
+    return run_chain, [task.case.scene for task in chain]
+
+
+def _outcomes(answer: Any, number: int) -> list[CaseOutcome | None]:
+    """Return a chain's outcomes: None for each if its workers died, FAILED after an error."""
+    if isinstance(answer, WorkerDiedError):
+        return [None] * number
+    if isinstance(answer, Exception):
+        traceback = "".join(format_exception(answer))
+        text = f"{type(answer).__name__}: {answer}"
+        return [CaseOutcome(FAILED, text, traceback=traceback)] * number
+    return answer if isinstance(answer, list) else [answer]
+
+
+def _judge_death(task: Task, killed: dict[str, int]) -> CaseOutcome | None:
+    """Store a case's records in `killed`; return a failure if they have not grown, else None."""
+    before, records = killed.get(task.case.digest, 0), 0
+    if task.file is not None:
+        with suppress(ResultsError):
+            records = len(open_history(task.file))
+    killed[task.case.digest] = records
+    if records > before:
+        return None
+    cure = "the memory may be too small: tractive-sam explain estimates what a scene needs"
+    return CaseOutcome(FAILED, f"every worker that computed it died; {cure}")
 
 
 def _run_in_process(
@@ -404,7 +452,7 @@ def _run_in_process(
                 log(f"waiting for {task.case}, which another process computes")
             waiting = True
             interrupt.raise_if_interrupted()
-            sleep(cluster.WAITS.pause)
+            sleep(WAITS.pause)
         yield task, outcome
 
 
@@ -414,13 +462,3 @@ def _is_complete(file: Path) -> bool:
         return open_history(file).finished
     except ResultsError:
         return False
-
-
-def _count_records(task: Task) -> int:
-    """Return the number of records in the results file of a task; 0 without."""
-    if task.file is None:
-        return 0
-    try:
-        return len(open_history(task.file))
-    except ResultsError:
-        return 0

@@ -134,17 +134,6 @@ def make_chains(
     return [tuple(chain) for chain in chains]
 
 
-SINGLE_THREAD = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
-    "OMP_WAIT_POLICY": "passive",
-}
-"""Environment of a worker: the cores compute several cases, not several threads of one. (FFTW has
-one thread by default.)"""
-
-
 def run_case(scene: Scene, path: str) -> CaseOutcome:
     """Roll a scene to a results file, or resume it; return the outcome, FAILED after an error.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from os import PathLike
 from time import process_time
 from typing import Any
@@ -16,7 +16,7 @@ from tractive_sam.description import Description, Section
 from tractive_sam.extras import require_extra
 from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
 from tractive_sam.store import ResultsError
-from tractive_sam.studies import check_installed, local_cluster
+from tractive_sam.studies import open_workers
 from tractive_sam.tables.builder import TableBuilder
 from tractive_sam.tables.design import TableDesign
 from tractive_sam.tables.solving import (
@@ -72,7 +72,8 @@ def build_table(
     RuntimeError
         If a contact is not solved, or all its workers die.
     ResultsError
-        If dask is not installed, or the address is invalid.
+        If workers cannot start, or, with a scheduler, if dask is not installed or the address is
+        invalid.
     SchedulerLostError
         If the scheduler does not exist or was lost.
 
@@ -107,16 +108,11 @@ def _open_solver(
     design: TableDesign, scheduler: str | None, workers: int, log: Callable[[str], None]
 ) -> Iterator[Solve]:
     """Yield a function that solves contacts: in this process, in several, or on a cluster."""
-    chosen: AbstractContextManager = nullcontext((scheduler, None))
-    if scheduler is not None or workers:
-        check_installed()
-        chosen = chosen if scheduler is not None else local_cluster(workers)
-    with chosen as (address, security):
-        yield (
-            solve_here(design)
-            if address is None
-            else solve_on_workers(design, address, security, log)
-        )
+    if scheduler is None and not workers:
+        yield solve_here(design)
+        return
+    with open_workers(workers, scheduler, log) as pool:
+        yield solve_on_workers(design, pool)
 
 
 def _read_design(table: CreepTable) -> TableDesign:

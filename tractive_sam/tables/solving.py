@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import groupby
 from time import process_time
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from tractive_sam.lookup import MIRROR, creepages_at, creepages_by_coordinates
 from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.scene import describe_changes, hashes_of
 from tractive_sam.schema import Fault, SceneError
-from tractive_sam.studies import computed
+from tractive_sam.studies import Workers, computed
 from tractive_sam.tables.design import Contacts, Solved, TableDesign, TableError
 
 
@@ -210,16 +210,14 @@ def solve_here(design: TableDesign) -> Solve:
     return run
 
 
-def solve_on_workers(
-    design: TableDesign, address: str, security: Any, log: Callable[[str], None]
-) -> Solve:
-    """Return a function that solves jobs on Dask workers and yields (first job's index, batch)."""
+def solve_on_workers(design: TableDesign, workers: Workers) -> Solve:
+    """Return a function that solves jobs on workers and yields (first job's index, batch)."""
     text, files = design.to_toml(), tuple(design.files.items())
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         parts = divide_jobs(jobs)
         calls = [(solve_jobs, text, some, files) for _, some in parts]
-        for k, batch in computed(calls, address, log, security):
+        for k, batch in computed(calls, workers):
             yield parts[k][0], batch
 
     return run
