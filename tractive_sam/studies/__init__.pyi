@@ -1,7 +1,6 @@
 """The public names of studies, for `__init__.py` and for type checkers."""
 
 from .cluster import SchedulerLostError as SchedulerLostError
-from .cluster import check_installed as check_installed
 from .cluster import open_workers as open_workers
 from .design import SAMPLE as SAMPLE
 from .design import Axis as Axis

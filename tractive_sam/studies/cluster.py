@@ -105,7 +105,9 @@ def open_workers(
     ...         return dict(studies.computed([(math.sqrt, number)], workers))[0]
     """
     if scheduler is not None:
-        check_installed()
+        if find_spec("distributed") is None:
+            missing = describe_missing("a scheduler", "distributed")
+            raise ResultsError(f"{missing}; or use processes of this machine (--workers)")
         yield Cluster(scheduler, log)
         return
     with LocalWorkers(number) as workers:
@@ -177,7 +179,9 @@ class Cluster:
         while client is None:
             interrupt.raise_if_interrupted()
             try:
-                _close_unused_clients()
+                # Clients without a connection close when they are collected. If another event loop
+                # starts meanwhile and holds the lock of the loops, they would wait forever.
+                gc.collect()
                 socket.create_connection(get_address_host_port(self._address), WAITS.answer).close()
                 client = Client(self._address, timeout=WAITS.answer, set_as_default=False)
             except (OSError, TimeoutError) as error:
@@ -201,15 +205,6 @@ class Cluster:
         finally:
             with suppress(OSError, TimeoutError):
                 client.close(timeout=5)
-
-
-def _close_unused_clients() -> None:
-    """Close clients without a connection, before another event loop starts.
-
-    The garbage collector closes these clients at any time. If the lock of the loops is held at that
-    time, it would wait forever.
-    """
-    gc.collect()
 
 
 def _submit_calls(client: "Client", calls: Mapping[int, Call]) -> Iterator[tuple[int, "Future"]]:
@@ -250,21 +245,3 @@ def _answer(future: "Future") -> Any:
         raise _DisconnectedError
     error = future.exception()
     return WorkerDiedError() if isinstance(error, KilledWorker) else error
-
-
-def check_installed() -> None:
-    """Raise a ResultsError unless dask.distributed is installed.
-
-    Raises
-    ------
-    ResultsError
-        If it is not.
-
-    Examples
-    --------
-    >>> from tractive_sam import studies
-    >>> studies.check_installed()
-    """
-    if find_spec("distributed") is None:
-        missing = describe_missing("a scheduler", "distributed")
-        raise ResultsError(f"{missing}; or use processes of this machine (--workers)")

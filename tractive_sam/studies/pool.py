@@ -124,9 +124,7 @@ class LocalWorkers:
             from multiprocessing import forkserver  # not available on Windows
 
             self._context = get_context("forkserver")
-            self._context.set_forkserver_preload(
-                ["tractive_sam.studies.worker", "tractive_sam.run.pipeline"]
-            )
+            self._context.set_forkserver_preload(["tractive_sam.studies.preload"])
             with _settings_of_workers():
                 forkserver.ensure_running()
 
@@ -143,7 +141,7 @@ class LocalWorkers:
 
         def submit_waiting() -> None:
             for worker in self._workers:
-                if worker.is_idle and waiting:
+                if waiting and worker.started and worker.index is None:
                     worker.submit(waiting[0], calls[waiting[0]])
                     waiting.popleft()
 
@@ -207,11 +205,6 @@ class _Worker:
         self.process.start()
         its_end.close()  # so that the connection ends with the process
 
-    @property
-    def is_idle(self) -> bool:
-        """Whether it waits for a call."""
-        return self.started and self.index is None
-
     def submit(self, index: int, call: Call) -> None:
         """Send a call."""
         request = dumps((call_with_laws, allow_laws(), call))
@@ -231,7 +224,7 @@ class _Worker:
             answer = self.connection.recv()
         except (EOFError, OSError):
             if not self.started:
-                cure = 'call it under `if __name__ == "__main__":`, as workers import the script'
+                cure = 'a script starts them under `if __name__ == "__main__":`, as they import it'
                 raise ResultsError(f"a worker process ended as it started; {cure}") from None
             answer = WorkerDiedError()
         index, self.index, self.started = self.index, None, True

@@ -304,6 +304,8 @@ def study(
     """
     requested = requested if isinstance(requested, Study) else Study.from_toml(requested)
     report, say, folder = progress or (lambda _: None), say or (lambda _: None), Folder(directory)
+    if scheduler is not None:
+        workers = 0  # it has its own
     with ExitStack() as stack:
         pool = None
         if scheduler is not None or workers:  # they start while the cases are checked
@@ -317,7 +319,7 @@ def study(
         # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
         # Processes take a second to start: less work is done in this one.
-        if scheduler is None and workers is None and total > 10.0:
+        if workers is None and total > 10.0:
             workers = cores()
             pool = stack.enter_context(open_workers(workers))
         if workers and tasks:
