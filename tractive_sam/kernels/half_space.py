@@ -385,19 +385,18 @@ def load_rectangles(
     near : float
         Distance from an element, in its longest side, beyond which Gauss points integrate over it.
     """
-    table = np.empty(offsets)
     x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
     distance, longest = np.hypot(x[:, None], y), max(sides)
-    is_close = distance <= near * longest
-    close, far = np.nonzero(is_close), np.nonzero(~is_close)
+    close = np.nonzero(distance <= near * longest)
+    ring = np.nonzero((distance > near * longest) & (distance <= 40.0 * longest))
+    table = _average_over_elements(_Radial(component, heights, amplitudes), offsets, sides, 30.0)
+    table[ring] = load_distant(component, x[ring[0]], y[ring[1]], sides, heights, amplitudes, near)
     columns, rows = close[0].max() + 1, close[1].max() + 1
     low = heights <= near * longest
     corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
     high = _Radial(component, heights[~low], amplitudes[:, ~low])
-    table[close] = corners[close]
-    table[close] += _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
-    table[close] /= 2.0 * np.pi
-    table[far] = load_distant(component, x[far[0]], y[far[1]], sides, heights, amplitudes, near)
+    values = corners[close] + _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
+    table[close] = values / (2.0 * np.pi)
     return table
 
 
@@ -420,6 +419,38 @@ def load_distant(
     values = np.empty(x.size)
     for part, points in ((distance <= 40.0 * longest, 3), (distance > 40.0 * longest, 2)):
         values[part] = _integrate(radial.interpolate, x[part], y[part], sides, points)
+    return values / (2.0 * np.pi)
+
+
+def _average_over_elements(
+    radial: "_Radial", offsets: tuple[int, int], sides: tuple[float, float], nearest: float
+) -> np.ndarray:
+    """Return the displacement at elements by a unit traction on an element, mm/MPa.
+
+    Along each side the integral is that of differences of values at centres of elements, 1 + d²/24
+    - 17 d⁴/5760; beyond 40 longest sides its relative error is 1e-10.
+
+    Parameters
+    ----------
+    radial : _Radial
+        Displacement by a force.
+    offsets, sides
+        See `Elasticity.coefficients`.
+    nearest : float
+        Distance, in longest sides, up to which results are not used.
+    """
+    x, y = (side * np.arange(-2, n + 2) for side, n in zip(sides, offsets, strict=True))
+    nearest *= max(sides)
+    radial.interpolated(nearest, max(nearest, float(np.hypot(x[-1], y[-1]))))
+    values = radial.interpolate(x[:, None], y)
+    fourth, second = -17.0 / 5760.0, 1.0 / 24.0
+    weights = fourth, second - 4.0 * fourth, 1.0 - 2.0 * second + 6.0 * fourth
+    for (nx, ny), side in zip(((offsets[0], y.size), offsets), sides, strict=True):
+        a, b, c = (side * weight for weight in weights)
+        first, before, at, behind, last = (
+            values[k : k + nx] if ny == y.size else values[:, k : k + ny] for k in range(5)
+        )
+        values = a * (first + last) + b * (before + behind) + c * at
     return values / (2.0 * np.pi)
 
 
@@ -525,8 +556,11 @@ class _Radial:
         return self
 
     def interpolate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the displacement at (x, y) by cubic interpolation (error 1e-10)."""
-        square = x * x + y * y
+        """Return the displacement at (x, y) by cubic interpolation (error 1e-10).
+
+        Nearer places have the functions of the nearest distance of the table.
+        """
+        square = np.maximum(x * x + y * y, np.exp(2.0 * (self._start + self._step)))
         place = (0.5 * np.log(square) - self._start) / self._step
         first = place.astype(int) - 1
         t = place - (first + 1)
