@@ -362,7 +362,7 @@ def _log_sum(a: np.ndarray, R: np.ndarray, b: np.ndarray, c: np.ndarray | float)
 
 
 def load_rectangles(
-    component: str,
+    components: tuple[str, ...],
     offsets: tuple[int, int],
     sides: tuple[float, float],
     heights: np.ndarray,
@@ -376,7 +376,9 @@ def load_rectangles(
 
     Parameters
     ----------
-    component, offsets, sides
+    components : tuple of str
+        "zz"; "xz" and "yz"; or "xx", "xy" and "yy", which share their functions.
+    offsets, sides
         See `Elasticity.coefficients`.
     heights : ndarray, shape (m,)
         mm.
@@ -384,24 +386,29 @@ def load_rectangles(
         See `SurfaceResponse.images`.
     near : float
         Distance from an element, in its longest side, beyond which Gauss points integrate over it.
+
+    Returns
+    -------
+    ndarray, shape (components, n_x, n_y)
     """
     x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
     distance, longest = np.hypot(x[:, None], y), max(sides)
-    close = np.nonzero(distance <= near * longest)
-    ring = np.nonzero((distance > near * longest) & (distance <= 40.0 * longest))
-    table = _average_over_elements(_Radial(component, heights, amplitudes), offsets, sides, 30.0)
-    table[ring] = load_distant(component, x[ring[0]], y[ring[1]], sides, heights, amplitudes, near)
-    columns, rows = close[0].max() + 1, close[1].max() + 1
-    low = heights <= near * longest
-    corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
-    high = _Radial(component, heights[~low], amplitudes[:, ~low])
-    values = corners[close] + _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
-    table[close] = values / (2.0 * np.pi)
+    table = _average_over_elements(_Radial(components, heights, amplitudes), offsets, sides, 30.0)
+    close = distance <= near * longest
+    ring = ~close & (distance <= 40.0 * longest)
+    i, j = np.nonzero(ring)
+    table[:, ring] = load_distant(components, x[i], y[j], sides, heights, amplitudes, near)
+    i, j = np.nonzero(close)
+    columns, rows, low = i.max() + 1, j.max() + 1, heights <= near * longest
+    corners = _add_corners(components, (columns, rows), sides, heights[low], amplitudes[:, low])
+    high = _Radial(components, heights[~low], amplitudes[:, ~low])
+    values = corners[:, i, j] + _integrate(high.at, x[i], y[j], sides, 3)
+    table[:, close] = values / (2.0 * np.pi)
     return table
 
 
 def load_distant(
-    component: str,
+    components: tuple[str, ...],
     x: np.ndarray,
     y: np.ndarray,
     sides: tuple[float, float],
@@ -412,20 +419,24 @@ def load_distant(
     """Return the displacement of surfaces at heights at places (n,) far from a loaded element.
 
     They are at least `near` longest sides away. Other parameters as in `load_rectangles`.
+
+    Returns
+    -------
+    ndarray, shape (components, n)
     """
     longest, distance = max(sides), np.hypot(x, y)
-    radial = _Radial(component, heights, amplitudes)
+    radial = _Radial(components, heights, amplitudes)
     radial.interpolated((near - 1.0) * longest, distance.max(initial=longest) + longest)
-    values = np.empty(x.size)
+    values = np.empty((len(components), x.size))
     for part, points in ((distance <= 40.0 * longest, 3), (distance > 40.0 * longest, 2)):
-        values[part] = _integrate(radial.interpolate, x[part], y[part], sides, points)
+        values[:, part] = _integrate(radial.interpolate, x[part], y[part], sides, points)
     return values / (2.0 * np.pi)
 
 
 def _average_over_elements(
     radial: "_Radial", offsets: tuple[int, int], sides: tuple[float, float], nearest: float
 ) -> np.ndarray:
-    """Return the displacement at elements by a unit traction on an element, mm/MPa.
+    """Return the displacement at elements by a unit traction on an element, (components, n_x, n_y).
 
     Along each side the integral is that of differences of values at centres of elements, 1 + d²/24
     - 17 d⁴/5760; beyond 40 longest sides its relative error is 1e-10.
@@ -448,14 +459,14 @@ def _average_over_elements(
     for (nx, ny), side in zip(((offsets[0], y.size), offsets), sides, strict=True):
         a, b, c = (side * weight for weight in weights)
         first, before, at, behind, last = (
-            values[k : k + nx] if ny == y.size else values[:, k : k + ny] for k in range(5)
+            values[:, k : k + nx] if ny == y.size else values[..., k : k + ny] for k in range(5)
         )
         values = a * (first + last) + b * (before + behind) + c * at
     return values / (2.0 * np.pi)
 
 
 def _add_corners(
-    component: str,
+    components: tuple[str, ...],
     offsets: tuple[int, int],
     sides: tuple[float, float],
     heights: np.ndarray,
@@ -466,15 +477,15 @@ def _add_corners(
     kernels = raised_antiderivatives(x[:, None, None], y[:, None], heights)
     inverse, fall_x, fall_y, fall_xy, over_x, over_y = kernels
     zz, LL, TT, Lz = amplitudes
-    values = {
-        "zz": lambda: inverse @ zz,
-        "xx": lambda: inverse @ TT + fall_x @ (LL - TT),
-        "yy": lambda: inverse @ TT + fall_y @ (LL - TT),
-        "xy": lambda: -fall_xy @ (LL - TT),
-        "xz": lambda: -over_x @ Lz,
-        "yz": lambda: -over_y @ Lz,
-    }[component]()
-    return np.diff(np.diff(values, axis=0), axis=1)
+    match components[0]:
+        case "zz":
+            values = [inverse @ zz]
+        case "xz":
+            values = [-over_x @ Lz, -over_y @ Lz]
+        case _:
+            first, bend = inverse @ TT, LL - TT
+            values = [first + fall_x @ bend, -fall_xy @ bend, first + fall_y @ bend]
+    return np.diff(np.diff(values, axis=1), axis=2)
 
 
 def _integrate(
@@ -486,11 +497,12 @@ def _integrate(
 ) -> np.ndarray:
     """Return the integrals of a kernel over elements with centres x, y (n,) by Gauss points."""
     nodes, weights = np.polynomial.legendre.leggauss(points)
-    (dx, dy), total = sides, np.zeros(x.shape)
-    for i, j in np.ndindex(points, points):
-        share = 0.25 * dx * dy * weights[i] * weights[j]
-        total += share * kernel(x + 0.5 * dx * nodes[i], y + 0.5 * dy * nodes[j])
-    return total
+    dx, dy = sides
+    return sum(
+        0.25 * dx * dy * weights[i] * weights[j]
+        * kernel(x + 0.5 * dx * nodes[i], y + 0.5 * dy * nodes[j])
+        for i, j in np.ndindex(points, points)
+    )  # fmt: skip
 
 
 @dataclass(eq=False)
@@ -499,20 +511,20 @@ class _Radial:
 
     Parameters
     ----------
-    component : str
-        See `Elasticity.coefficients`.
+    components : tuple of str
+        See `load_rectangles`.
     heights : ndarray, shape (m,)
         mm.
     amplitudes : ndarray, shape (4, m)
         See `SurfaceResponse.images`.
     """
 
-    component: str
+    components: tuple[str, ...]
     heights: np.ndarray
     amplitudes: np.ndarray
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the displacement at (x, y)."""
+        """Return the displacements at (x, y), (components, ...)."""
         r = np.maximum(np.hypot(x, y), 1e-60)  # the values at 0 are limits
         return self._combine(x, y, r, self._functions(r))
 
@@ -522,58 +534,54 @@ class _Radial:
         r = r[:, None]
         R = np.sqrt(r**2 + self.heights**2)
         reach = R + self.heights
-        match self.component:
+        match self.components[0]:
             case "zz":
                 return [(r / R) @ zz]
-            case "xz" | "yz":
+            case "xz":
                 return [(r**2 / (R * reach)) @ Lz]
-        bend = (r**3 / (R * reach**2)) @ (LL - TT)
-        if self.component == "xy":
-            return [bend]
-        return [(r / R) @ TT + (r / reach) @ (LL - TT), bend]
+        return [(r / R) @ TT + (r / reach) @ (LL - TT), (r**3 / (R * reach**2)) @ (LL - TT)]
 
     def _combine(
         self, x: np.ndarray, y: np.ndarray, r: np.ndarray, functions: list[np.ndarray]
     ) -> np.ndarray:
-        """Return the displacement from the functions of the distance r."""
-        first, *bend = functions
-        match self.component:
+        """Return the displacements from the functions of the distance r."""
+        x, y, first = x / r, y / r, functions[0]
+        match self.components[0]:
             case "zz":
-                return first / r
-            case "xz" | "yz":
-                return -first * (x if self.component == "xz" else y) / r**2
-            case "xy":
-                return -first * x * y / r**3
-        along = x if self.component == "xx" else y
-        return (first - (along / r) ** 2 * bend[0]) / r
+                rows = [first]
+            case "xz":
+                rows = [-first * x, -first * y]
+            case _:
+                bend = functions[1]
+                rows = [first - x * x * bend, -x * y * bend, first - y * y * bend]
+        return np.stack(rows) / r
 
     def interpolated(self, nearest: float, farthest: float, step: float = 0.01) -> "_Radial":
         """Tabulate the functions between two distances, in equal steps of their logarithm."""
         self._start, self._step = np.log(nearest) - step, step
         count = int((np.log(farthest) - self._start) / step) + 4
         nodes = np.exp(self._start + step * np.arange(count))
-        self._table = self._functions(nodes)
+        to_cubic = np.array([[0, 6, 0, 0], [-2, -3, 6, -1], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0
+        self._cubics = [
+            to_cubic @ np.stack([values[k : count - 3 + k] for k in range(4)])
+            for values in self._functions(nodes)
+        ]
         return self
 
     def interpolate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the displacement at (x, y) by cubic interpolation (error 1e-10).
+        """Return the displacements at (x, y) by cubic interpolation (error 1e-10).
 
         Nearer places have the functions of the nearest distance of the table.
         """
         square = np.maximum(x * x + y * y, np.exp(2.0 * (self._start + self._step)))
         place = (0.5 * np.log(square) - self._start) / self._step
-        first = place.astype(int) - 1
-        t = place - (first + 1)
-        weights = (
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        )
-        values = [
-            sum(weight * table[first + i] for i, weight in enumerate(weights))
-            for table in self._table
-        ]
+        node = place.astype(int)
+        t = place - node
+        node = np.maximum(node - 1, 0)
+        values = []
+        for cubic in self._cubics:
+            a, b, c, d = (row[node] for row in cubic)
+            values.append(a + t * (b + t * (c + t * d)))
         return self._combine(x, y, np.sqrt(square), values)
 
 

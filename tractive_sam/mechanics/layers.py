@@ -689,8 +689,11 @@ class LinearHalfSpaces(Elasticity):
             images = stored.get(component, np.empty((0, 0)))
             if images.shape[0] < nx or images.shape[1] < ny:
                 wider = max(images.shape[0], nx), max(images.shape[1], ny)
+                together = _share_functions(component)
                 raised = heights[1:], amplitudes[:, 1:]
-                images = stored[component] = load_rectangles(component, wider, (dx, dy), *raised)
+                each = load_rectangles(together, wider, (dx, dy), *raised)
+                stored.update(zip(together, each, strict=True))
+                images = stored[component]
             table += images[:nx, :ny]
         return table
 
@@ -720,8 +723,9 @@ class LinearHalfSpaces(Elasticity):
         table = _combine(component, _distant_integrals(x, rows, dx, dy), amplitudes[:, 0])
         if heights.size > 1:
             at_x, at_y = np.repeat(x, rows), np.tile(dy * np.arange(rows), len(x))
-            images = heights[1:], amplitudes[:, 1:]
-            table += load_distant(component, at_x, at_y, (dx, dy), *images).reshape(table.shape)
+            together, raised = _share_functions(component), (heights[1:], amplitudes[:, 1:])
+            each = load_distant(together, at_x, at_y, (dx, dy), *raised)
+            table += each[together.index(component)].reshape(table.shape)
         return table
 
     def periodic(
@@ -915,6 +919,13 @@ def _periodic_spectra(
     across, difference = add(respond(TT)), respond(LL - TT) / square
     spectra |= {"xx": across + add(kx * kx * difference), "yy": across + add(ky * ky * difference)}
     return spectra | {"xy": add(kx * ky * difference, -1)}
+
+
+def _share_functions(component: str) -> tuple[str, ...]:
+    """Return the components that share functions of the distance with a component."""
+    if component in ("zz", "xz", "yz"):
+        return ("zz",) if component == "zz" else ("xz", "yz")
+    return "xx", "xy", "yy"
 
 
 _distant_integrals = lru_cache(4)(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, ClassVar, Literal, Self, cast
 
 import numpy as np
@@ -171,6 +172,10 @@ def _find_material(entries: Any) -> TransverseMaterial | AnisotropicMaterial:
     return material
 
 
+_stored_material = lru_cache(64)(lambda entries: _find_material(dict(entries)))
+"""The material of a table by its entries."""
+
+
 def isotropic_material(young: float | None, shear: float | None, poisson: float | None) -> Material:
     """Return isotropic elastic constants from Poisson's ratio and one of both moduli, MPa."""
     nu = required(poisson, "poisson")
@@ -249,7 +254,7 @@ class Stiffness(BodyPart):
     @property
     def material(self) -> TransverseMaterial | AnisotropicMaterial:
         """The material in the axes of the contact; in closed form if isotropic in the surface."""
-        return _find_material(vars(self))
+        return _stored_material(tuple(vars(self).items()))
 
     @classmethod
     def change(cls, parts: Sequence[Self], body: SurfaceResponse) -> SurfaceResponse:
