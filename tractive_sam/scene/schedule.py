@@ -621,9 +621,14 @@ class Transient(CourseTable):
         return tuple(f"{key}.motion" for key, stage in self.by_key.items() if not stage.rolls)
 
     @property
+    def only_rolls(self) -> bool:
+        """Whether the bodies roll in every stage."""
+        return all(stage.rolls for stage in self.stages)
+
+    @property
     def is_mixed(self) -> bool:
         """Whether the bodies roll in some stages and shift in others."""
-        return self.rolls and not all(stage.rolls for stage in self.stages)
+        return self.rolls and not self.only_rolls
 
     def jumps(self, constant: Mapping[str, Any]) -> list[tuple[str, float, str]]:
         """Return the jumps of loads, forces or friction: key of the knots, position (mm), keys.
