@@ -7,8 +7,7 @@ these attributes. Meshes, laws and tables of coefficients are made with NumPy.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -21,8 +20,7 @@ Places = tuple[np.ndarray, np.ndarray]
 """Indices (i, j) of elements, two arrays of shape (m,)."""
 
 
-@dataclass(frozen=True)
-class Mirror:
+class Mirror(NamedTuple):
     """Symmetry of fields about an axis y = 0, at the beginning of a mesh of their upper half.
 
     A single field is even in y.
@@ -63,13 +61,11 @@ class Mirror:
 
     def unfold(self, half: np.ndarray) -> np.ndarray:
         """Return fields (..., n_x, n_y) on the whole mesh from those on its upper half."""
-        above = self.whole(half.shape[-1]) - half.shape[-1]
-        fields = np.empty((*half.shape[:-1], above + half.shape[-1]), half.dtype)
-        fields[..., above:] = half
-        fields[..., :above] = half[..., ::-1][..., :above]
+        mirrored = half[..., ::-1][..., : self.whole(half.shape[-1]) - half.shape[-1]]
         if half.ndim == 3:
-            fields[1 - self.even, :, :above] *= -1.0
-        return fields
+            mirrored = mirrored.copy()
+            mirrored[1 - self.even] *= -1.0
+        return np.concatenate((mirrored, half), axis=-1)
 
 
 class Backend(Protocol):

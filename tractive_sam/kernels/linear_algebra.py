@@ -86,9 +86,11 @@ def solve_triangle(triangle, right, count):
     return x
 
 
+@compiled
 def scalar(s, h):
-    """Multiply a spectrum in place by a scalar spectrum: h[0] = s[0] h[0], (1, m) complex."""
-    np.multiply(s, h, out=h)
+    """Multiply a spectrum (1, m) in place by a scalar spectrum, real or complex, (1, m)."""
+    for k in range(h.shape[1]):
+        h[0, k] *= s[0, k]
 
 
 @compiled

@@ -620,4 +620,4 @@ class FrictionOnMesh:
 
     def on_elements(self, x: np.ndarray, y: np.ndarray) -> "FrictionOnMesh":
         """Return the law on the elements with centres (x, y), mm."""
-        return replace(self, x=x, y=y)
+        return FrictionOnMesh(self.law, x, y, self.unit, self.slip)

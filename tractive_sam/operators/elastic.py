@@ -124,7 +124,7 @@ class Lattice:
         An axis of symmetry lies between its elements.
         """
         (nx, ny), (bx, by) = self.shape, self.coarsening
-        mirror = self.mirror and replace(self.mirror, between=True)
+        mirror = self.mirror and Mirror(self.mirror.even, between=True)
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy, mirror=mirror)
 
     def clear_axis(self, field: np.ndarray) -> np.ndarray:

@@ -297,8 +297,7 @@ class _Iteration:
         if self.under_load:
             # The approach is the one that the elements in contact have on average.
             xp, total = self.backend.xp, self.lattice.sum
-            here = self.pressure
-            touching = xp.where(here > 0.0, xp.ones_like(here), xp.zeros_like(here))
+            touching = xp.where(self.pressure > 0.0, xp.ones_like(gap), 0.0)
             self.approach = total(gap * touching) / total(touching)
         self.gap = gap - self.approach
 

@@ -20,7 +20,7 @@ GMRES solves them with an operator of a shorter period; it stores one vector of 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import prod, sqrt
+from math import hypot, isfinite, prod, sqrt
 
 import numpy as np
 
@@ -148,7 +148,7 @@ class Iterate:
     def merit_by(self, ratio: float) -> float:
         """Return the norm of the residual, with its tangential part weighted by `ratio`."""
         # The ratio may be larger than what a square can be.
-        return float(np.hypot(np.sqrt(self._normal), ratio * np.sqrt(self._tangential)))
+        return hypot(sqrt(self._normal), ratio * sqrt(self._tangential))
 
 
 class System:
@@ -391,15 +391,13 @@ class Newton:
         status, taken, memory = Status.OUT_OF_ITERATIONS, 0, Basis()
         for taken in range(self.steps + 1):
             report_progress(problem.operators.lattice.shape, at.residual)
-            if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
+            if at.residual <= tolerance and not (problem.kinematics.joint or at.is_admissible):
                 # Only the slip by these tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
                 status = Status.CONVERGED
                 break
-            if not np.isfinite(at.residual) or problem.forces.diverged(
-                at.creepage, at.elastic_slip
-            ):
+            if not isfinite(at.residual) or problem.forces.diverged(at.creepage, at.elastic_slip):
                 status = Status.DIVERGED
                 break
             if at.residual < 0.9 * smallest:

@@ -119,13 +119,15 @@ class PrescribedForces:
         If nearly everything slips the forces hardly depend on the creepages, and a Newton step
         would diverge. Full slip begins at a slip of order one, or of the `elastic` slip.
         """
-        size = np.abs(change).max(initial=0.0)
-        trusted = 3.0 + np.abs(creepage).max(initial=0.0) + elastic
+        if not len(self):
+            return 1.0
+        size = np.abs(change).max()
+        trusted = 3.0 + np.abs(creepage).max() + elastic
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
     def diverged(self, creepage: np.ndarray, elastic: float) -> bool:
         """Return whether creepages are so large that friction cannot carry the forces."""
-        return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + elastic))
+        return len(self) > 0 and bool(np.abs(creepage).max() > 1e4 * (1.0 + elastic))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
         """Return the constant slip that the unknown creepages cause, shape (2, 1, 1)."""
