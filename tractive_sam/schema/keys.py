@@ -176,8 +176,8 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     Parameters
     ----------
     kind : type
-        A number, a text, a bool, a path, names (`Literal`), a list of names, or a pair of numbers;
-        also annotated or optional.
+        A number, a text, a bool, a path, names (`Literal`), a list of names, or two or three
+        numbers; also annotated or optional.
     constraints : iterable
         Metadata of the field: bounds and validators.
 
@@ -207,7 +207,8 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
             names = get_args(item) if get_origin(item) is Literal else ()
             return f"a list of {list_names(names, 'and')}" if names else ""
         item = describe_allowed(item)
-        pair = f"a pair of {item.removeprefix('a ').replace('number', 'numbers')}"
+        count = {1: "a pair of", 2: "three"}[len(further)]
+        pair = f"{count} {item.removeprefix('a ').replace('number', 'numbers')}"
         return f"{item}, or a pair of them" if takes_number(kind, constraints) else pair
     bounds = _bounds(constraints)
     return f"{words.get(kind, '')}{_describe_bounds(bounds)}" if kind in words else ""
