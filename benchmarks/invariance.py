@@ -273,28 +273,172 @@ def courses(rng: np.random.Generator, rolls: bool) -> ts.Scene:
             return scene.replace(**{"solver.tolerance": TOLERANCE})
 
 
+def layered(rng: np.random.Generator) -> ts.Scene:
+    """Return bodies with layers, graded or with compliant interfaces; some wear."""
+    scene = steady(rng)
+    bodies = scene.entries()["body"]
+    for name in str(rng.choice(["A", "B", "AB"])):
+        bodies[name]["layer"] = [
+            layer(rng, scene) for _ in range(int(rng.integers(1, 3)))
+        ]  # fmt: skip
+    changes: dict = {"body": bodies}
+    if rng.random() < 0.3:
+        changes["wear"] = wear_table(rng, scene, 3)
+    return _widened(scene.replace(**changes))
+
+
+def layer(rng: np.random.Generator, scene: ts.Scene) -> dict:
+    """Return a random layer, stiffer or softer than the body."""
+    size = scene.hertz.a
+    table = {
+        "thickness": size * log_uniform(rng, 0.1, 2.0),
+        "shear": scene.material.shear * log_uniform(rng, 0.3, 4.0),
+        "poisson": rng.uniform(0.1, 0.45),
+    }
+    kind = rng.integers(4)
+    if kind == 0:
+        table["gradient"] = "exponential"
+    elif kind == 1:
+        for key in ("shear_compliance", "normal_compliance"):
+            table[key] = 0.1 * size / scene.material.shear * rng.random()
+    return table
+
+
+def relaxing(rng: np.random.Generator) -> ts.Scene:
+    """Return bodies that relax; some have layers."""
+    scene = layered(rng) if rng.random() < 0.3 else moderate(rng)
+    bodies, speed = scene.entries()["body"], log_uniform(rng, 10.0, 1e4)
+    for name in str(rng.choice(["A", "B", "AB"])):
+        bodies[name]["relaxation"] = [
+            {
+                "ratio": log_uniform(rng, 0.1, 3.0),
+                "time": scene.hertz.a / speed * log_uniform(rng, 0.1, 10.0),
+            }
+            for _ in range(int(rng.integers(1, 3)))
+        ]
+    return _widened(scene.replace(**{"body": bodies, "creepage.speed": speed}))
+
+
+def anisotropic(rng: np.random.Generator) -> ts.Scene:
+    """Return bodies of any anisotropy, with 21 constants."""
+    scene = moderate(rng)
+    bodies = scene.entries()["body"]
+    for name in str(rng.choice(["A", "B", "AB"])):
+        for key in ("young", "shear", "poisson"):
+            bodies[name].pop(key, None)
+        shear, share = scene.material.shear, 0.6 * rng.random()
+        isotropic = np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+        isotropic[:3, :3] += 1.0
+        root = rng.normal(size=(6, 6))
+        constants = shear * ((1.0 - share) * isotropic + share * root @ root.T / 6.0)
+        bodies[name]["stiffness"] = {
+            f"C{i + 1}{j + 1}": float(constants[i, j]) for i in range(6) for j in range(i, 6)
+        }
+    return _widened(scene.replace(body=bodies))
+
+
+def roller(rng: np.random.Generator) -> ts.Scene:
+    """Return a roller with a profile and free ends against a cylinder."""
+    width, radius = rng.uniform(3.0, 8.0), rng.uniform(4.0, 20.0)
+    forms = [
+        {"form": "logarithmic"},
+        {"form": "crowned", "radius": 600.0, "flat": 0.4 * width},
+        {"form": "crowned", "radius": 400.0, "chamfer": 0.05 * width},
+    ]
+    steel = {"young": 208e3, "poisson": rng.uniform(0.0, 0.45)}
+    profile = forms[int(rng.integers(3))]
+    bodies = {
+        "A": steel
+        | {"radius_x": radius, "radius_y": math.inf, "width": width}
+        | {"profile": profile},
+        "B": steel | {"radius_x": rng.uniform(10.0, 50.0), "radius_y": math.inf},
+    }
+    if rng.random() < 0.7:
+        bodies["A"]["ends"] = str(rng.choice(["free", "quick"]))
+    creepage = {"longitudinal": rng.uniform(-0.004, 0.004), "lateral": rng.uniform(-0.002, 0.002)}
+    return ts.Scene(
+        title="roller",
+        body=bodies,
+        load={"normal": 300.0 * width * rng.uniform(0.3, 1.5)},
+        creepage=creepage,
+        friction={"mu": (0.3, 0.2), "angle": rng.uniform(-60.0, 60.0)},
+        grid={"elements": (int(rng.integers(11, 20)), int(rng.integers(21, 40)))},
+        solver={"tolerance": TOLERANCE},
+    )
+
+
+def conformal(rng: np.random.Generator) -> ts.Scene:
+    """Return a ball in a groove at an angle, which spins and rolls."""
+    ball, groove = ts.Scene.builtin("ball-in-groove"), rng.uniform(1.03, 1.3)
+    changes = {
+        "body.B.radius_y": -5.0 * groove,
+        "body.B.radius_x": rng.uniform(8.0, 50.0),
+        "body.B.poisson": rng.uniform(0.1, 0.45),
+        "conformal": {"angle": rng.uniform(-50.0, 50.0)},
+        "load.normal": log_uniform(rng, 100.0, 2000.0),
+        "creepage.longitudinal": rng.uniform(-0.002, 0.002),
+        "creepage.lateral": rng.uniform(-0.001, 0.001),
+        "creepage.spin": rng.uniform(-0.001, 0.001),
+        "friction": {"mu": (0.3, 0.2), "angle": rng.uniform(-60.0, 60.0)},
+        "grid": {"elements": (int(rng.integers(9, 15)), int(rng.integers(13, 25)))},
+        "solver.tolerance": TOLERANCE,
+    }
+    return ball.replace(**changes)
+
+
+def included(rng: np.random.Generator) -> ts.Scene:
+    """Return bodies with inclusions near each other, some of which lift the surface."""
+    scene = moderate(rng)
+    size = scene.hertz.a
+    inclusions = []
+    for body in str(rng.choice(["A", "B", "AB", "BB"])):
+        radii = size * rng.uniform(0.05, 0.15, 3)
+        x, y = size * rng.uniform(-0.3, 0.3, 2)
+        table: dict = {
+            "body": body,
+            "at": (x, y, size * rng.uniform(0.3, 0.8)),
+            "radii": tuple(radii.tolist()),
+            "cells": 7,
+        }
+        table["young"] = 2.6 * scene.material.shear * rng.uniform(0.0, 3.0)
+        table["poisson"] = rng.uniform(0.1, 0.4)
+        if rng.random() < 0.5:
+            table["eigenstrain"] = (1e-3 * rng.normal(size=6)).tolist()
+        table["lifts"] = bool(rng.random() < 0.5)
+        inclusions.append(table)
+    return scene.replace(inclusion=inclusions)
+
+
+def _widened(scene: ts.Scene) -> ts.Scene:
+    """Return a scene with a mesh for a contact that is larger than that of the bare bodies."""
+    half = scene.grid.half_length
+    return scene.replace(**{"grid.half_length": tuple(1.5 * length for length in half)})
+
+
 KINDS: dict[str, Callable[[np.random.Generator], ts.Scene]] = {
     kind.__name__: kind
     for kind in (
         *(steady, gentle, hard, forced, gap, line, falling, heat),
         *(wear, adaptive, duty, fatigue, transient, shift),
+        *(layered, relaxing, anisotropic, roller, conformal, included),
     )
 }
 
 
 GROUPS = {
-    "load, forces": r"P|Q[xy](_over_P)?",
-    "moment": "Mz",
+    "load, forces": r"P|F[yz]|Q[xy](_over_P)?",
+    "moment": "M[xyz]|tilt|end_load",
     "creepages": r"xi_[xy]|spin|creepage_found|shift_[xy]|turn",
     "pressure": r"pressure|p_max|p_95|approach",
-    "tractions": r"traction_[xy]",
+    "tractions": r"traction_([xy]|bound)",
     "slip": r"slip_[xy]",
     "gap": r"gap",
-    "contact": r"half_width_[xy]|area|stick_fraction",
-    "work": r"dissipation|work_supplied|t_gamma.*|step_work|.*friction(_work)?|elastic_energy",
+    "contact": r"half_width_[xy]|area|stick_fraction|sliding",
+    "work": r"(bulk_)?dissipation|work_supplied|t_gamma.*|step_(work|bulk)|.*friction(_work)?"
+    r"|elastic_energy",
     "wear": r"wear(_max|_profile.*|_per_revolution)?|entering_profile|worn_by|measured_profile",
-    "worn volume": r"worn_.*|step_worn|block_share",
-    "stress": r"von_mises.*",
+    "worn volume": r"worn_.*|step_worn|share",
+    "stress": r"von_mises.*|interface_.*|inclusion_(?!it|co).*",
     "fatigue": r"shakedown.*|utilisation.*|damage|initiation|fatigue_life|fi_surf|balancing.*"
     r"|wear_margin",
     "temperature": r"temperature.*|heat.*",
@@ -303,7 +447,8 @@ GROUPS = {
 
 def group_of(name: str) -> str | None:
     """Return the group of a quantity; None if the quantity is not compared."""
-    return next((group for group, names in GROUPS.items() if re.fullmatch(names, name)), None)
+    plain = name.removeprefix("block_")
+    return next((group for group, names in GROUPS.items() if re.fullmatch(names, plain)), None)
 
 
 def natural_scale(name: str, outcome: Outcome) -> float:
@@ -323,6 +468,8 @@ def natural_scale(name: str, outcome: Outcome) -> float:
         **dict.fromkeys(("Qx", "Qy"), force),
         **dict.fromkeys(("Qx_over_P", "Qy_over_P"), friction),
         "Mz": force * size,
+        **dict.fromkeys(("Mx", "My"), largest("P") * max(size, largest("half_width_y"))),
+        **dict.fromkeys(("Fy", "Fz"), largest("P")),
         **dict.fromkeys(("traction_x", "traction_y"), friction * largest("pressure")),
         **dict.fromkeys(("slip_x", "slip_y", "xi_x", "xi_y", "creepage_found"), slips),
         "spin": slips / (size or 1.0),
@@ -330,7 +477,8 @@ def natural_scale(name: str, outcome: Outcome) -> float:
         **dict.fromkeys(("dissipation", "work_supplied", "t_gamma"), force * slips),
         "t_gamma_over_area": force * slips / (largest("area") or 1.0),
     }
-    return scales[name] if name in scales else largest(name) * _stored(name, outcome)
+    plain = name.removeprefix("block_")
+    return scales[plain] if plain in scales else largest(name) * _stored(name, outcome)
 
 
 def _stored(name: str, outcome: Outcome) -> float:

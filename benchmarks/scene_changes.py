@@ -25,7 +25,8 @@ from tractive_sam.results.column_table import storable_fields
 BODIES = {"A": "B", "B": "A"}
 
 UNCHECKED = re.compile(
-    r"seconds|operator_applications|solves|jump|residual|next_step|stretch|.*_at|.*_error|revolution"
+    r"seconds|operator_applications|(inclusion_)?(convolutions|iterations)|over_application|solves"
+    r"|jump|residual|next_step|stretch|.*_at|.*_error|revolution|distance|converged|rolled_block"
 )
 """Columns that count work or steps, and positions: a symmetric scene may have several."""
 
@@ -59,7 +60,11 @@ class Outcome:
     def of(cls, scene: ts.Scene) -> "Outcome":
         """Compute a scene."""
         history = ts.roll(scene)
-        columns = {n: column for n, column in history.columns.items() if not UNCHECKED.fullmatch(n)}
+        columns = {
+            n: column
+            for n, column in history.columns.items()
+            if not UNCHECKED.fullmatch(n.removeprefix("block_"))
+        }
         values = {name: np.asarray(history[name], float) for name in columns}
         dims = {name: column.dims for name, column in columns.items()}
         units = {name: column.unit for name, column in columns.items()}
@@ -171,7 +176,7 @@ class Change:
 
     def value(self, name: str, rows: np.ndarray, outcome: Outcome) -> np.ndarray:
         """Return the values of a quantity of the scene."""
-        if self.negative.fullmatch(name):
+        if self.negative.fullmatch(name.removeprefix("block_")):
             rows = -rows
         dims = ("record", *outcome.dims[name])
         if self.flips_y and "y" in dims:
@@ -194,7 +199,24 @@ def deep(value):
     return value
 
 
+def reflect_stiffness(tables: dict, axis: int) -> None:
+    """Reflect stiffnesses along an axis: components with an odd number of its index change sign."""
+    odd = {1: (4, 6), 2: (4, 5)}[axis]  # numbers of the shears with this axis
+    for body in tables["body"].values():
+        for key in body.get("stiffness") or {}:
+            if key[0] == "C" and (int(key[1]) in odd) != (int(key[2]) in odd):
+                body["stiffness"][key] = -body["stiffness"][key]
+
+
 def _mirrored(tables: dict, scene: ts.Scene) -> None:
+    reflect_stiffness(tables, 1)
+    for inclusion in tables.get("inclusion", ()):
+        x, y, depth = inclusion["at"]
+        inclusion["at"] = (x, -y, depth)
+        if np.iterable(strain := inclusion.get("eigenstrain", 0.0)):
+            inclusion["eigenstrain"] = np.multiply(strain, (1, 1, 1, -1, 1, -1)).tolist()
+    if tables.get("conformal"):
+        tables["conformal"]["angle"] = -tables["conformal"].get("angle", 0.0)
     change_sign(tables, "creepage.lateral", "creepage.spin", "load.force_y", "friction.angle")
     for block in tables.get("duty", ()):
         block["shift_y"] = -block.get("shift_y", 0.0)
@@ -206,7 +228,7 @@ def _mirrored(tables: dict, scene: ts.Scene) -> None:
 MIRROR = Change(
     "mirror",
     _mirrored,
-    re.compile(r"Qy|Qy_over_P|Mz|xi_y|spin|shift_y|turn|traction_y|slip_y"),
+    re.compile(r"Qy|Qy_over_P|Fy|M[xz]|tilt|xi_y|spin|shift_y|turn|traction_y|slip_y"),
     flips_y=True,
 )
 
@@ -214,6 +236,9 @@ MIRROR = Change(
 def _exchanged(tables: dict, scene: ts.Scene) -> None:
     change_sign(tables, "creepage.longitudinal", "creepage.lateral", "creepage.spin")
     change_sign(tables, "load.force_x", "load.force_y")
+    reflect_stiffness(tables, 2)
+    for inclusion in tables.get("inclusion", ()):
+        inclusion["body"] = BODIES[inclusion.get("body", "A")]
 
     def swap(table: dict) -> None:
         both = {BODIES[body]: table.pop(body) for body in "AB" if body in table}
@@ -243,7 +268,7 @@ EXCHANGE = Change(
     "exchange",
     _exchanged,
     re.compile(
-        r"Q[xy](_over_P)?|Mz|xi_[xy]|spin|shift_[xy]|turn|traction_[xy]|slip_[xy]|creepage_found"
+        r"Q[xy](_over_P)?|Fy|Mz|xi_[xy]|spin|shift_[xy]|turn|traction_[xy]|slip_[xy]|creepage_found"
     ),
     swaps_bodies=True,
     applies=_counts_alike,
@@ -282,6 +307,14 @@ DIMENSIONS: dict[str, tuple[int, int]] = {
     **dict.fromkeys(("profile.x", "profile.y", "profile.separation"), LENGTH),
     **dict.fromkeys(("creepage.speed", "friction.half_speed", "friction.memory"), LENGTH),
     **dict.fromkeys(("load.normal", "load.force_x", "load.force_y"), (2, 1)),
+    **dict.fromkeys(("body.layer.young", "body.layer.shear", "inclusion.young"), STRESS),
+    **dict.fromkeys(("body.layer.thickness", "inclusion.at", "inclusion.radii"), LENGTH),
+    **dict.fromkeys(("profile.drop", "profile.radius", "profile.flat", "profile.chamfer"), LENGTH),
+    **dict.fromkeys(("body.layer.shear_compliance", "body.layer.normal_compliance"), (1, -1)),
+    **dict.fromkeys(("body.layer.poisson", "inclusion.poisson", "inclusion.eigenstrain"), PURE),
+    **dict.fromkeys(("body.relaxation.ratio", "body.relaxation.time"), PURE),
+    **dict.fromkeys(("conformal.angle", "inclusion.cells", "profile.load_factor"), PURE),
+    "profile.load": (2, 1),
     "creepage.spin": (-1, 0),
     "friction.B": (-1, 0),
     "friction.layer": (1, -1),
@@ -346,7 +379,9 @@ class Units(Change):
             ".transient.step",
         ):
             return PURE
-        return DIMENSIONS[key]
+        if key.startswith("body.stiffness.C"):
+            return STRESS
+        return DIMENSIONS[key.removeprefix("body.") if "profile" in key else key]
 
     def value(self, name: str, rows: np.ndarray, outcome: Outcome) -> np.ndarray:
         """Return the values of a quantity in the units of the scene."""
@@ -366,7 +401,7 @@ def dimension_of_unit(unit: str) -> tuple[int, int]:
     total = np.zeros(2, int)
     for text, sign in ((over, 1), (under, -1)):
         for name, power in re.findall(r"([A-Za-z]+)(\d*)", text):
-            if name not in ("degC", "rad"):
+            if name not in ("degC", "rad", "mrad"):
                 total += sign * int(power or 1) * np.array(dimensions[name])
     return int(total[0]), int(total[1])
 
