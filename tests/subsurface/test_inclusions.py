@@ -203,9 +203,12 @@ def test_both_bodies_have_the_same_stress_around_the_same_inclusion():
 
 
 def test_mirror_images_have_the_same_values(contact):
-    """Points beside an inclusion are symmetric, and so is the contact without friction."""
-    stretched = {"radii": [0.02, 0.012, 0.015], "cells": 5}
-    first, *images = (
+    """Cells and points beside an inclusion are symmetric, and so is the contact without friction.
+
+    There are so many cells that a part of them would miss the largest tension.
+    """
+    stretched = {"radii": [0.02, 0.012, 0.015], "cells": 11}
+    first, image = (
         around_inclusions(
             changed(
                 contact,
@@ -214,14 +217,12 @@ def test_mirror_images_have_the_same_values(contact):
                 **stretched,
             )
         )[0]
-        for x, y in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0))
+        for x, y in ((1.0, 1.0), (-1.0, -1.0))
     )
-    for (x, y), image in zip(((1.0, -1.0), (-1.0, 1.0)), images, strict=True):
-        for name in ("von_mises", "utilisation", "tension", "lift"):
-            # The solver leaves the contact, and so the image in x, asymmetric by its tolerance.
-            rel = 1e-9 if x > 0.0 else 1e-6
-            assert getattr(image, name) == pytest.approx(getattr(first, name), rel=rel)
-        assert image.at == pytest.approx(np.multiply(first.at, (x, y, 1.0)), abs=1e-7)
+    for name in ("von_mises", "utilisation", "tension", "lift"):
+        # The solver leaves the contact, and so the image in x, asymmetric by its tolerance.
+        assert getattr(image, name) == pytest.approx(getattr(first, name), rel=1e-6)
+    assert image.at == pytest.approx(np.multiply(first.at, (-1.0, -1.0, 1.0)), abs=1e-7)
 
 
 @pytest.mark.parametrize("y", [0.35, 0.8])
