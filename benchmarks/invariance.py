@@ -387,7 +387,7 @@ def conformal(rng: np.random.Generator) -> ts.Scene:
 
 
 def included(rng: np.random.Generator) -> ts.Scene:
-    """Return bodies with inclusions near each other, some of which lift the surface."""
+    """Return bodies with inclusions near each other; some lift the surface."""
     scene = moderate(rng)
     size = scene.hertz.a
     inclusions = []
@@ -398,7 +398,7 @@ def included(rng: np.random.Generator) -> ts.Scene:
             "body": body,
             "at": (x, y, size * rng.uniform(0.3, 0.8)),
             "radii": tuple(radii.tolist()),
-            "cells": 7,
+            "cells": 5,
         }
         table["young"] = 2.6 * scene.material.shear * rng.uniform(0.0, 3.0)
         table["poisson"] = rng.uniform(0.1, 0.4)

@@ -200,7 +200,10 @@ def deep(value):
 
 
 def reflect_stiffness(tables: dict, axis: int) -> None:
-    """Reflect stiffnesses along an axis: components with an odd number of its index change sign."""
+    """Reflect stiffnesses along an axis.
+
+    Components change sign whose indices contain this axis an odd number of times.
+    """
     odd = {1: (4, 6), 2: (4, 5)}[axis]  # numbers of the shears with this axis
     for body in tables["body"].values():
         for key in body.get("stiffness") or {}:

@@ -14,9 +14,13 @@ pytestmark = pytest.mark.filterwarnings(
 KINDS = (
     *("steady", "gentle", "hard", "forced", "gap", "line", "falling", "heat"),
     *("wear", "adaptive", "duty", "fatigue", "transient", "shift"),
+    *("layered", "relaxing", "anisotropic", "roller", "conformal", "included"),
 )
 
-SLOW = ("adaptive", "duty", "fatigue", "heat", "shift", "wear")
+SLOW = (
+    *("adaptive", "duty", "fatigue", "heat", "shift", "wear"),
+    *("relaxing", "conformal", "included"),
+)
 
 
 @pytest.fixture
