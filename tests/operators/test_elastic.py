@@ -90,6 +90,16 @@ def test_coupled_operator(half_space, displacement, slip):
     close(half_space.coupled, truth)
 
 
+def test_slip_by_pressure_is_that_of_the_coupled_operator(half_space):
+    fields = np.zeros((3, *MESH.shape))
+    fields[0] = np.random.default_rng(1).uniform(size=MESH.shape)
+    for coupled, by_pressure in (
+        (half_space.coupled, half_space.slip_by_pressure),
+        (half_space.coupled_displacement, half_space.displacement_by_pressure),
+    ):
+        np.testing.assert_allclose(by_pressure(fields[0]), coupled(fields)[1:], atol=ROUNDING)
+
+
 def test_reciprocity(displacement):
     """u_x from p_z of one element is minus u_z from p_x of the other: A_xz = -A_zx."""
     np.testing.assert_allclose(displacement[0, :, 2], -displacement[2, :, 0], rtol=1e-14)

@@ -581,6 +581,31 @@ class Operators:
         """Operator from pressure and tractions to (gap, tangential displacement over dx)."""
         return self._with_pressure(difference=False)
 
+    @cached_property
+    def slip_by_pressure(self) -> Callable[[Array], Array]:
+        """Operator D_tn from pressure (n_x, n_y) to slip, (2, n_x, n_y)."""
+        return self._by_pressure(difference=True)
+
+    @cached_property
+    def displacement_by_pressure(self) -> Callable[[Array], Array]:
+        """Operator from pressure to tangential displacement over dx."""
+        return self._by_pressure(difference=False)
+
+    def _by_pressure(self, difference: bool) -> Callable[[Array], Array]:
+        """Return the operator from pressure to slip, or to displacement over dx."""
+        rows = [self._convolution([row + 0j]) for row in self._drag(difference)]
+
+        def apply(pressure: Array) -> Array:
+            backend = backend_of(pressure)
+            return backend.concat(tuple(row(pressure[None, ...]) for row in rows))
+
+        return apply
+
+    def _drag(self, difference: bool) -> list[np.ndarray]:
+        """Return the spectra of slip, or of displacement over dx, by pressure."""
+        drag = [self._per_dx * self._displacement(k, None, difference) for k in ("xz", "yz")]
+        return [row[0] * drag[0] + row[1] * drag[1] for row in self.frame.matrix]
+
     def _with_pressure(self, difference: bool) -> Convolution:
         """Return the operator from pressure and tractions to gap and slip, or displacement over dx.
 
@@ -590,10 +615,9 @@ class Operators:
             True for slip, the difference of the displacement over dx from element to element.
         """
         F, (t11, t12, t21, t22) = self.frame.matrix, self._tangential_matrix(difference)
-        drag = [self._per_dx * self._displacement(k, None, difference) for k in ("xz", "yz")]
         lift = [self._per_gap * self._displacement(k) for k in ("zx", "zy")]
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
-        drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
+        drag_1, drag_2 = self._drag(difference)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t21, t22)
         return self._near_ends(self._convolution([row + 0j for row in rows]))
 

@@ -64,6 +64,10 @@ class Kinematics(ABC):
         """Return the operator from pressure and tractions to gap and slip (step: displacement)."""
 
     @abstractmethod
+    def by_pressure(self, operators: Operators, pressure: np.ndarray) -> np.ndarray:
+        """Return the slip (step: displacement over dx) by a pressure, (2, n_x, n_y)."""
+
+    @abstractmethod
     def self_influence(self, operators: Operators) -> Entries:
         """Return slip (step: displacement over dx) by an element's own traction, (11, 12, 22)."""
 
@@ -143,6 +147,10 @@ class SteadyRolling(Kinematics):
         """Return the operator from pressure and tangential tractions to gap and slip."""
         return operators.coupled
 
+    def by_pressure(self, operators: Operators, pressure: np.ndarray) -> np.ndarray:
+        """Return the slip by a pressure, (2, n_x, n_y)."""
+        return operators.slip_by_pressure(pressure)
+
     def self_influence(self, operators: Operators) -> Entries:
         """Return the slip of an element due to its own traction, entries (11, 12, 22)."""
         return operators.self_influence
@@ -206,6 +214,10 @@ class RollingStep(Kinematics):
     def coupled(self, operators: Operators) -> Convolution:
         """Return the operator from pressure and tractions to gap and displacement over dx."""
         return operators.coupled_displacement
+
+    def by_pressure(self, operators: Operators, pressure: np.ndarray) -> np.ndarray:
+        """Return the tangential displacement over dx by a pressure, (2, n_x, n_y)."""
+        return operators.displacement_by_pressure(pressure)
 
     def self_influence(self, operators: Operators) -> Entries:
         """Return the displacement over dx by an element's own traction, entries (11, 12, 22)."""

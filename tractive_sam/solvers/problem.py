@@ -255,9 +255,7 @@ class Problem:
         """Return the tangential problem under a fixed pressure, including the slip by pressure."""
         rigid = self.rigid
         if self.coupled:
-            backend = backend_of(rigid)
-            fields = backend.concat((pressure[None, ...], backend.xp.zeros_like(rigid)))
-            rigid = rigid + self.kinematics.coupled(self.operators)(fields)[1:, ...]
+            rigid = rigid + self.kinematics.by_pressure(self.operators, pressure)
         return replace(
             self, normal=FixedPressure(self.operators, pressure, gap), rigid=rigid, wear=None
         )
