@@ -7,7 +7,7 @@ these attributes. Meshes, laws and tables of coefficients are made with NumPy.
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class Mirror(NamedTuple):
         Whether the axis lies between elements: in front of the first row, or in the middle of it.
     """
 
-    even: Literal[0, 1]
+    even: int
     between: bool
 
     def whole(self, count: int) -> int:
@@ -51,13 +51,13 @@ class Mirror(NamedTuple):
         rounding : float
             Difference of both halves, over the largest value, that is ignored.
         """
-        even, odd = (
-            [linear_algebra.asymmetry(part, sign) for part in field] for sign in (1.0, -1.0)
-        )
-        limit, between = rounding * max(size for _, size in even), field.shape[2] % 2 == 0
-        if even[0][0] <= limit and odd[1][0] <= limit:
-            return cls(0, between)
-        return cls(1, between) if even[1][0] <= limit and odd[0][0] <= limit else None
+        for even in (0, 1):
+            apart, size = linear_algebra.asymmetry(field[even], 1.0)
+            odd_apart, odd_size = linear_algebra.asymmetry(field[1 - even], -1.0)
+            limit = rounding * max(size, odd_size)
+            if apart <= limit and odd_apart <= limit:
+                return cls(even, between=field.shape[2] % 2 == 0)
+        return None
 
     def unfold(self, half: np.ndarray) -> np.ndarray:
         """Return fields (..., n_x, n_y) on the whole mesh from those on its upper half."""

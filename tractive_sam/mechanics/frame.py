@@ -39,7 +39,7 @@ class Frame:
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, -s], [s, c]]) / np.asarray(self.mu)
 
-    @property
+    @cached_property
     def weights(self) -> tuple[float, float]:
         """(max mu / mu)² of both axes: squares of scaled over squares of unscaled tractions."""
         first, second = ((max(self.mu) / mu) ** 2 for mu in self.mu)

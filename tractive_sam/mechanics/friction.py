@@ -9,6 +9,7 @@ bound depends on the slip, the subclass defines `bound_sliding` as well.
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -406,7 +407,7 @@ class Coulomb(FrictionLaw):
     mu: Pair = (1.0, 1.0)
     angle: float = 0.0
 
-    @property
+    @cached_property
     def frame(self) -> Frame:
         """Axes rotated by `angle` and scaled by mu1 and mu2, in which the bound is a disc."""
         return Frame(self.mu, self.angle)
