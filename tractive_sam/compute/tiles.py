@@ -138,11 +138,11 @@ class UntiledConvolution:
         (nx, _), (px, py) = shape, padded
         self._fields, self._padded, self._mirror = fields, padded, mirror
         real, spectral = _number_types(single)
-        self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
+        values = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
         stored = (fields, py // 2 + 1, column_stride(px))
         # The estimated transform along x takes half as long again in place.
         arrays = [pyfftw.zeros_aligned(stored, dtype=spectral) for _ in range(3)]
-        self._spectrum = arrays[1].reshape(fields, -1)
+        self._rows, self._spectrum = values.reshape(-1, py), arrays[1].reshape(fields, -1)
         columns, spectrum, product = (array[..., :px] for array in arrays)
 
         def rows_of(columns: np.ndarray) -> np.ndarray:
@@ -150,12 +150,12 @@ class UntiledConvolution:
 
         # Forward along x does not change its input, so that the padding of `columns` stays zero.
         self._forward = (
-            plan(self._real, rows_of(columns), 2, "FFTW_FORWARD"),
+            plan(values, rows_of(columns), 2, "FFTW_FORWARD"),
             plan(columns, spectrum, 2, "FFTW_FORWARD"),
         )
         self._backward = (
             plan(spectrum, product, 2, "FFTW_BACKWARD"),
-            plan(rows_of(product), self._real, 2, "FFTW_BACKWARD"),
+            plan(rows_of(product), values, 2, "FFTW_BACKWARD"),
         )
         columns[:] = 0.0  # planning wrote into it
 
@@ -163,15 +163,15 @@ class UntiledConvolution:
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
-        rows, out = self._real.reshape(-1, self._padded[1]), np.empty(fields.shape, fields.dtype)
-        load_rows(fields, 0, rows, self._mirror)
+        out = np.empty(fields.shape, fields.dtype)
+        load_rows(fields, 0, self._rows, self._mirror)
         count_transform(2 * self._fields, self._padded)
         for transform in self._forward:
             transform.execute()
         product(kernels[0], self._spectrum)
         for transform in self._backward:
             transform.execute()
-        store_rows(rows, fields, 0, out, self._mirror)
+        store_rows(self._rows, fields, 0, out, self._mirror)
         return out
 
 

@@ -231,7 +231,7 @@ def check_solve(model: Model) -> None:
     process_of(model)  # refuses what a scene names and may not import
     # Smaller meshes take less than the program itself, and the check takes .6 ms.
     if math.prod(model.grid.elements) > 2**14:
-        _check_mesh(model, contact_bytes(model))
+        _check_mesh(model, contact_bytes(model), available_memory())
     if model.scene.accuracy is not None:
         _check_accuracy(model)
 
@@ -246,7 +246,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
     """
     free, stress = available_memory(), stress_bytes(model)
     contact = scene_bytes(model) - stress + (records_bytes(model) if in_memory else 0.0)
-    _check_mesh(model, contact)
+    _check_mesh(model, contact, free)
     check_solve(model)
     if contact + stress > free:
         elements = required(model.scene.subsurface, "subsurface").elements
@@ -266,9 +266,8 @@ def _check_accuracy(model: Model) -> None:
         raise SceneError([Fault("accuracy.elements", shortage, allowed)])
 
 
-def _check_mesh(model: Model, needed: float) -> None:
-    """Raise an error if a computation that needs these bytes does not fit into the memory."""
-    free = available_memory()
+def _check_mesh(model: Model, needed: float, free: float) -> None:
+    """Raise an error if a computation needs more bytes than are free."""
     if needed <= free:
         return
     nx, ny = model.grid.elements

@@ -309,11 +309,11 @@ class Problem:
         normal = self.free_pressure
         nx, ny = normal.gap.shape
         box = slice(None), slice(ny // 2, None)
-        half = replace(
-            normal,
-            operators=self.operators.part((nx, ny - ny // 2), mirror, ny // 2),
-            gap=np.ascontiguousarray(normal.gap[box]),
-            load=None if normal.load is None else 0.5 * normal.load,
+        half = NormalProblem(
+            self.operators.part((nx, ny - ny // 2), mirror, ny // 2),
+            np.ascontiguousarray(normal.gap[box]),
+            None if normal.load is None else 0.5 * normal.load,
+            normal.approach,
         )
         problem = self._on(box, half)
         half.operators.lattice.clear_axis(problem.rigid)
