@@ -22,18 +22,18 @@ import pytest
 import tractive_sam
 
 LIMITS = {
-    "modules on the longest chain of imports": 10,
+    "modules on the longest chain of imports": 9,
     "modules that import each other, in any way": 0,
     "modules with TYPE_CHECKING": 3,
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "import lines, per cent of code lines": 8.5,
-    "functions of at most 3 statements with one use": 198,  # conditions of columns, hooks
-    "module constants": 294,  # 40 of them are published values and sources in `validation`
-    "public names": 200,
+    "import lines, per cent of code lines": 8.1,
+    "functions of at most 3 statements with one use": 197,  # conditions of columns, hooks
+    "module constants": 292,  # 40 of them are published values and sources in `validation`
+    "public names": 168,
 }
 
-SMALLEST = {"code lines of the median module": 170}
+SMALLEST = {"code lines of the median module": 200}
 """Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent

@@ -553,7 +553,7 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     SceneError
         If records of the scene lack a column.
     """
-    # Tables that are left out if no observation needs them.
+    # Tables that are left out if no observation needs them; steady contacts have them, too.
     costly = ("subsurface", "inclusion", "fatigue")
     quantities = index_by_name(COLUMNS)
     wanted = [quantities[name.partition(" ")[0]] for name in columns]
@@ -567,9 +567,8 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
             without = scene.replace(**{name: None}, **unused)
             if all(quantity.applies(without) for quantity in wanted):
                 scene = without
-    below = "subsurface", "inclusion", "fatigue"  # a steady contact has these, too, if it is rolled
     for quantity in wanted:
-        is_of_roll = quantity.of is None and not "".join(quantity.needs).startswith(below)
+        is_of_roll = quantity.of is None and not "".join(quantity.needs).startswith(costly)
         if not quantity.applies(scene) or (is_of_roll and is_steady(scene)):
             needs = " and ".join(f"[{name}]" for name in quantity.needs) or "[wear] or [transient]"
             raise SceneError([Fault("observe", quantity.name, f"only with {needs} in the scene")])
