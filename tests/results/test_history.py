@@ -2,6 +2,7 @@
 
 import json
 import pickle
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from tractive_sam.results.column_table import COLUMNS, PACKAGE_FIELDS, columns
 from tractive_sam.results.record import restart_fields
 from tractive_sam.results.state import FIELDS
 from tractive_sam.results.stress import STRESS
-from tractive_sam.schema import PlausibilityWarning
+from tractive_sam.schema import PlausibilityWarning, Table
 
 REVOLUTIONS = 2
 
@@ -290,3 +291,26 @@ def test_a_contact_that_grows_to_the_edges_of_a_disc_is_reported():
     assert caveats(ts.roll(scene.replace(wear=None))) == {}
     with pytest.warns(PlausibilityWarning, match="body B"):
         scene.replace(**{"body.B.width": 1.2 * new})
+
+
+def tables_in(annotation):
+    """Return the tables that the annotation of a key allows."""
+    if isinstance(annotation, type) and issubclass(annotation, Table):
+        return [annotation]
+    return [table for part in get_args(annotation) for table in tables_in(part)]
+
+
+def has_key(table, key):
+    """Return whether a dotted key is one of a table, or a property of it or of an inner table."""
+    first, _, rest = key.partition(".")
+    if first not in table.model_fields:
+        return hasattr(table, first)
+    inner = tables_in(table.model_fields[first].annotation)
+    return not rest or any(has_key(one, rest) for one in inner)
+
+
+def test_columns_need_keys_and_properties_that_scenes_have():
+    """A scene without a column's key has no such column: a wrong name would pass unnoticed."""
+    needs = {key for column in COLUMNS for key in column.needs}
+    assert {key for key in needs if not has_key(ts.Scene, key)} == set()
+    assert not has_key(ts.Scene, "transient.rolls_only")
