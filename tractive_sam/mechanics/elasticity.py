@@ -851,11 +851,25 @@ class SpectralHalfSpaces(HalfSpaces):
         below = HalfSpaces(self.A, self.B)
         if self.spectrum(component, np.ones((1, 1)), np.ones((1, 1))) is None:
             return below.coefficients(component, offsets, dx, dy)
-        # At a height of two elements the kernel is smooth enough for its quadrature over one.
-        height = max(self.length, 2.0 * dx, 2.0 * dy)
-        table = self.surface.coefficients(component, offsets, dx, dy)
-        table = table + _raised(below, self.surface, component, offsets, dx, dy, height)
-        return table + self._remainder(below, component, offsets, dx, dy, height)
+        # A rectangle around the contact has the elements of its mesh.
+        nx, ny = offsets
+        table = self._tables.get((component, dx, dy), np.empty((0, 0)))
+        if nx > table.shape[0] or ny > table.shape[1]:
+            wider = max(nx, table.shape[0]), max(ny, table.shape[1])
+            # At a height of two elements the kernel is smooth enough for its quadrature over one.
+            height = max(self.length, 2.0 * dx, 2.0 * dy)
+            table = self.surface.coefficients(component, wider, dx, dy)
+            table = table + _raised(below, self.surface, component, wider, dx, dy, height)
+            table = table + self._remainder(below, component, wider, dx, dy, height)
+            self._tables[component, dx, dy] = table
+            if len(self._tables) > 48:  # six components of eight meshes
+                del self._tables[next(iter(self._tables))]
+        return table[:nx, :ny]
+
+    @cached_property
+    def _tables(self) -> dict[tuple[str, float, float], np.ndarray]:
+        """Coefficients that were computed so far, by component and sides."""
+        return {}
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
         """Return length / E*, the scale of gaps over pressures, of the materials far below.
