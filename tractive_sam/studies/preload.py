@@ -6,8 +6,8 @@ The server process of `pool` imports this module before it copies itself, so tha
 
 from contextlib import suppress
 
-from tractive_sam.run import pipeline
+from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 
 with suppress(Exception):  # whatever the error, workers report it for their own scenes
-    pipeline.roll(Scene.builtin("spheres").replace(subsurface=None), progress=False)
+    roll(Scene.builtin("spheres").replace(subsurface=None), progress=False)

@@ -531,9 +531,24 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
             with use_contents(_stored_contents(folder), only_missing=True):
                 study = folder.study()
                 all_cases = cases(study)
+    return read_results(folder, study, all_cases)
+
+
+def read_results(folder: Folder, study: Study, cases: Sequence[Case]) -> StudyResults:
+    """Return the results of the cases of a study from its folder.
+
+    Parameters
+    ----------
+    folder : Folder
+        Folder of the study.
+    study : Study
+        The study.
+    cases : sequence of Case
+        All its cases.
+    """
     files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
-    for case in all_cases:
+    for case in cases:
         interrupt.raise_if_interrupted()
         file, entry = folder.file_of(case, files), logged.entries.get(case.digest)
         if entry and study.keep == "scalars" and not entry["size"]:

@@ -25,7 +25,7 @@ from tractive_sam.store import ResultsError, open_history, read_gap
 from tractive_sam.studies.cluster import WAITS, open_workers
 from tractive_sam.studies.design import Case, Study, StudyError, cases
 from tractive_sam.studies.pool import Call, WorkerDiedError, Workers
-from tractive_sam.studies.results import Folder, StudyResults, open_study
+from tractive_sam.studies.results import Folder, StudyResults, read_results
 from tractive_sam.studies.worker import (
     COMPLETE,
     FAILED,
@@ -338,7 +338,7 @@ def study(
             failed += outcome.status != COMPLETE
             share += task.seconds / total
             report(StudyProgress(len(all_cases), ended, failed, share, task.case, outcome))
-    return open_study(directory)
+    return read_results(folder, requested, all_cases)
 
 
 def remaining_tasks(folder: Folder, cases: list[Case], requested: Study) -> tuple[list[Task], int]:
