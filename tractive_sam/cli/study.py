@@ -53,6 +53,8 @@ def study(
     from tractive_sam.documents import StudyDocument
 
     check_workers(scheduler, workers)
+    if workers:
+        studies.prepare_workers()  # they load modules while this process does
     cure = f"repeat the command to continue the study in {output}"
     with report_interrupt(cure), refuse(studies.SchedulerLostError, status=ExitStatus.INCOMPLETE):
         with report_warnings():

@@ -17,6 +17,7 @@ from .figures import save_figures as save_figures
 from .figures import study_figures as study_figures
 from .pool import Workers as Workers
 from .pool import computed as computed
+from .pool import prepare_workers as prepare_workers
 from .results import STATUSES as STATUSES
 from .results import CaseRow as CaseRow
 from .results import StudyResults as StudyResults

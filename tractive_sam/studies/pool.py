@@ -99,6 +99,29 @@ def call_with_laws(laws: Sequence[str], call: Call) -> Any:
     return function(*arguments)
 
 
+def prepare_workers() -> BaseContext:
+    """Start the server process of workers on Linux, and return the context that starts workers.
+
+    The server loads what workers share in the background. Without this call, it starts when workers
+    are opened.
+
+    Examples
+    --------
+    >>> from tractive_sam import studies
+    >>> _ = studies.prepare_workers()
+    """
+    # A server of Python 3.11.0 accepts calls from other users (CVE-2022-42919).
+    if sys.platform != "linux" or sys.version_info < (3, 11, 1):
+        return get_context("spawn")
+    from multiprocessing import forkserver  # not available on Windows
+
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["tractive_sam.studies.preload"])
+    with _settings_of_workers():
+        forkserver.ensure_running()
+    return context
+
+
 class LocalWorkers:
     """Processes on this machine, each with one thread; they end with the `with` block.
 
@@ -118,15 +141,7 @@ class LocalWorkers:
     def __init__(self, number: int, attempts: int = 3, poll: float = 0.05) -> None:
         self._number, self._attempts, self._poll = number, attempts, poll
         self._workers: list[_Worker] = []
-        self._context: BaseContext = get_context("spawn")
-        # A server of Python 3.11.0 accepts calls from other users (CVE-2022-42919).
-        if sys.platform == "linux" and sys.version_info >= (3, 11, 1):
-            from multiprocessing import forkserver  # not available on Windows
-
-            self._context = get_context("forkserver")
-            self._context.set_forkserver_preload(["tractive_sam.studies.preload"])
-            with _settings_of_workers():
-                forkserver.ensure_running()
+        self._context = prepare_workers()
 
     def __enter__(self) -> "LocalWorkers":
         return self
@@ -224,8 +239,10 @@ class _Worker:
             answer = self.connection.recv()
         except (EOFError, OSError):
             if not self.started:
-                cure = 'a script starts them under `if __name__ == "__main__":`, as they import it'
-                raise ResultsError(f"a worker process ended as it started; {cure}") from None
+                raise ResultsError(
+                    "a worker process ended as it started, see its messages; a script must be a "
+                    'file that calls this under `if __name__ == "__main__":`, as workers import it'
+                ) from None
             answer = WorkerDiedError()
         index, self.index, self.started = self.index, None, True
         return index, answer
