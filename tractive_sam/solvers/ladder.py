@@ -79,7 +79,7 @@ NORMAL = AroundContact(Nested(AroundContact(ConjugateGradients(), least_size=819
 PRESSURE_ONLY = Sequential(NORMAL)
 """Bodies without cause for traction."""
 
-FIXED_PRESSURE, COUPLED = Newton(krylov=120, aim=0.8), Newton(krylov=150)
+FIXED_PRESSURE, COUPLED = Newton(krylov=120), Newton(krylov=150)
 NEARBY = Newton(
     krylov=60,  # three vectors of each iteration are stored
     halvings=3,
