@@ -267,6 +267,13 @@ def test_material_keeps_its_stress_and_strength_while_it_wears(rolled):
     assert cycle.local_yield == pytest.approx(np.interp(zeta, [0, 1], [900.0, 300.0]), abs=1e-9)
 
 
+def test_strength_over_depth_without_a_limit_has_no_limit():
+    shear = {"depth": [0.0, 1.0], "shear_yield": [900.0, 300.0]}
+    cycle = ts.fatigue(ts.solve(worn(fatigue={"shear_yield": 900.0, "A": shear})))["A"]
+    assert np.isnan(cycle.local_limit).all()
+    assert np.isnan(cycle.utilisation).all()
+
+
 def test_stress_on_every_plane_has_the_residual_stress_of_its_place(rolled):
     contact = rolled.state(20)
     bare = replace(contact, scene=contact.scene.replace(residual=None))

@@ -149,7 +149,8 @@ class LocalSteel:
         common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
         limit, k = (steel.at(name, zeta, layer) for name in ("limit", "shear_yield"))
         varies = steel.is_layered or limit is not None or k is not None
-        limit = np.full(zeta.shape, table.limit or 1.0) if limit is None else limit
+        common_limit = math.nan if table.limit is None else table.limit
+        limit = np.full(zeta.shape, common_limit) if limit is None else limit
         k = np.full(zeta.shape, common) if k is None else k
         has_factor = scene.residual is not None and not math.isnan(common)
         return cls(steel.stress(zeta), limit, k, common, varies, has_factor, layer, steel)
