@@ -150,11 +150,14 @@ def test_the_warning_contains_the_forces_of_the_other_solution():
         scene = cylinder(**{"friction.half_speed": 10.0, "friction.start": start})
         with pytest.warns(ts.SceneWarning, match=r"friction\.start") as caught:
             forces[start] = ts.solve(scene).Qx
-        forces[f"text from {start}"] = str(caught[0].message)
+        forces[f"text from {start}"] = str(caught[1].message)
     assert forces["rest"] != pytest.approx(forces["sliding"], rel=1e-4)
     for start in ("rest", "sliding"):
         for other in ("rest", "sliding"):
             assert f"Qx = {forces[other]:.5g}" in forces[f"text from {start}"]
+    with pytest.warns(ts.SceneWarning) as caught:
+        ts.solve(cylinder(**{"friction.half_speed": 15.0}))
+    assert "give the same forces" in str(caught[1].message)
 
 
 def solved_from_both_sides(slip, half_speed, creepage):

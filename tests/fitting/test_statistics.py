@@ -284,6 +284,8 @@ def test_time_left_follows_the_fall_of_chi_square():
     assert np.isnan(done.seconds_left())
     done.searched = [(0.0, 11.1), (2.0, 1.1), (4.0, 0.1)]  # falls by 10, then by 1
     assert done.seconds_left(0.01) == pytest.approx(4.0)  # two further iterations of 2 s
+    done.searched = [*enumerate((4850.0, 666.0, 50.4, 37.9, 6.6))]  # a fall larger than the last
+    assert done.seconds_left() < 10.0
 
 
 def test_explain_counts_contacts_and_changed_parameters(line):

@@ -158,12 +158,14 @@ def too_steep(steepness: float, in_step: bool = False) -> str:
     steepness : float
         `solvers.falling_friction.steepness`.
     in_step : bool
-        Whether the contact is a step of a transient. The number is then a power of ten, so that
-        the steps of a course have equal texts, and one warning.
+        Whether the contact is a step of a transient.
+
+    The number is a power of ten, so that the contacts of a process have equal texts, and one
+    warning.
     """
+    power = 10 ** math.floor(math.log10(max(steepness, 1.0)))
+    by = f" (more than {power} times)" if power > 1 else ""
     if in_step:
-        power = 10 ** math.floor(math.log10(max(steepness, 1.0)))
-        by = f" (more than {power} times)" if power > 1 else ""
         return (
             "friction.law: with sliding, friction falls faster than the elastic traction of all "
             f"elements together rises{by}, so a step may have several solutions; friction.start "
@@ -174,8 +176,7 @@ def too_steep(steepness: float, in_step: bool = False) -> str:
         )
     return (
         "friction.law: with sliding, friction falls faster than the elastic traction of an element "
-        f"rises ({steepness:.3g} times; allowed for a single solution: less than 1), so several "
-        "solutions may exist, and the mesh decides which one is found; "
+        f"rises{by}, so several solutions may exist, and the mesh decides which one is found; "
         'friction.start selects the solution reached from friction at rest, "rest", or at high '
         'speed, "sliding"; for a single solution increase friction.memory or friction.half_speed, '
         "or coarsen the mesh if there is a friction.layer"
@@ -271,7 +272,7 @@ def state_of(
     resistance : float
         Rolling resistance, N.
     describe_other : callable, optional
-        Returns text on the solution for the other `friction.start`, for the warning that several
+        Returns text on the solution for the other `friction.start`, for a second warning if several
         solutions may exist.
     """
     units, fields = model.units, outcome.fields
@@ -298,9 +299,9 @@ def state_of(
         laws=model.laws,
     )
     if contact.converged and steepness >= 1.0:
-        other = "" if describe_other is None else describe_other()
-        text = too_steep(steepness, problem.kinematics.joint) + other
-        warn(text, SeveralSolutionsWarning)
+        warn(too_steep(steepness, problem.kinematics.joint), SeveralSolutionsWarning)
+        if describe_other is not None and (other := describe_other()):
+            warn(other, SeveralSolutionsWarning)
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))

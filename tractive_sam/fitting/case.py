@@ -483,16 +483,20 @@ class Evaluations:
     def seconds_left(self, small: float = 1e-3) -> float:
         """Return the expected time of the search until chi-square falls by less than `small`, s.
 
-        Chi-square is assumed to fall by equal factors from now on; nan while this is unknown.
+        Chi-square is assumed to fall by equal factors, on average over the search; nan while this
+        is unknown.
         """
         if len(self.searched) < 3 or self.part:
             return math.nan
-        times, chi2 = np.transpose(self.searched[-3:])
-        before, last = -np.diff(chi2)
-        if last <= small or before <= 0.0:  # the standard deviations have changed
-            return 0.0 if last <= small else math.nan
-        ratio = last / before if before > last else 0.9
-        return float(math.log(small / last) / math.log(ratio) * 0.5 * (times[-1] - times[0]))
+        times, chi2 = np.transpose(self.searched)
+        falls = -np.diff(chi2)
+        if falls[-1] <= small:
+            return 0.0
+        if falls[-1] >= falls[0] or falls[-2] <= 0.0:  # the standard deviations have changed
+            return math.nan
+        rate = math.log(falls[0] / falls[-1]) / (len(falls) - 1)
+        left = math.log(falls[-1] / small) / rate
+        return float(left * (times[-1] - times[0]) / len(falls))
 
     def add(self, digest: str, answer: Answer) -> None:
         """Store an answer in memory, report progress, and write the file at intervals."""

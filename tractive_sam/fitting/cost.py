@@ -56,7 +56,8 @@ def explain_fit(design: FitDesign) -> Description:
     runs = sum(not case.is_steady for case in cases.values())
     counts = f"{len(cases) - runs} contacts and {runs} runs, and {sum(changed)} with a changed"
     points = fit.curve * sum(bool(data_set.vary) for data_set in fit.data)
-    finer = "; all data once on a finer mesh (fit.mesh_check)" * fit.mesh_check
+    once = format_duration(1.5**2 * sum(times))  # `on_finer_mesh`
+    finer = f"; all data once on a finer mesh (fit.mesh_check), about {once}" * fit.mesh_check
     work = [
         ("an iteration", f"{counts} parameter; about {format_duration(seconds)} of one core"),
         ("iterations", f"at most {fit.iterations * fit.starts}"),
@@ -153,7 +154,11 @@ def explain_design(design: OptimumDesign) -> Description:
         ("iterations", f"at most {table.iterations} for each of {table.starts} starts"),
     ]
     keys = [(one.key, f"{one.lower:g} to {one.upper:g}") for one in table.free]
-    limits = [("limit", text) for text in map(str, table.limit)]
+    units = (quantity_of(one.observe, table.scene).unit for one in table.limit)
+    limits = [
+        ("limit", format_with_unit(str(one), unit) + ", in the last record" * (one.at is None))
+        for one, unit in zip(table.limit, units, strict=True)
+    ]
     return Description(
         (Section("Free keys", keys), Section("Aims", rows + limits), Section("Work", work))
     )

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.description import format_with_unit
 from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Noise
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
@@ -174,11 +175,12 @@ def _has_only_creepage(scene: Scene, name: str) -> bool:
 def describe_improbable(name: str, measured: Measured) -> Iterator[str]:
     """Yield notes on values of a data set that are improbable whatever the scene is."""
     observed, noise = measured.observed, measured.noise
-    profile, columns = measured.data.profile, ", ".join(measured.data.observe)
+    data, profile, quantities = measured.data, measured.data.profile, index_by_name(COLUMNS)
     sizes = np.ptp(observed) if profile else np.abs(observed)
     if (noise.deviation(observed, observed) > sizes).all():
-        yield f"{name}: the noise is larger than all values of {columns}: check its unit"
-    for k, column in enumerate(measured.data.observe):
+        units = ", ".join(format_with_unit(one, quantities[one].unit) for one in data.observe)
+        yield f"{name}: the noise is larger than all values of {units}: check its unit"
+    for k, column in enumerate(data.observe):
         if column in ("Qx_over_P", "Qy_over_P") and np.median(np.abs(observed[:, k])) > 2.0:
             cure = f'observe = "{column[:2]}" reads a force, in N'
             yield f"{name}: {column} of {np.abs(observed[:, k]).max():g} exceeds friction; {cure}"

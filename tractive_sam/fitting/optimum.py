@@ -29,6 +29,7 @@ from tractive_sam.fitting.response import (
     Response,
     check_observed,
     label_of,
+    name_with_unit,
     open_question,
     outcome_faults,
     read_outcome,
@@ -738,13 +739,13 @@ class OptimumResult(QuestionResult):
         keys = [{"key": key} | {name: f"{self.numbers(name)[k]:.6g}" for name in names}
                 for k, key in enumerate(self.keys)]  # fmt: skip
         ends = zip(self.numbers("before"), self.numbers("after"), strict=True)
-        rows = [{"outcome": one, "start": f"{before:.5g}", "optimum": f"{after:.5g}"}
-                for one, (before, after) in zip(outcomes, ends, strict=True)]  # fmt: skip
-        tables = {"Free keys": keys, "Outcomes": rows}
+        scene = self.design.scenes[0]
+        rows = [{"outcome": name_with_unit(one, scene), "start": f"{x:.5g}", "optimum": f"{y:.5g}"}
+                for one, (x, y) in zip(outcomes, ends, strict=True)]  # fmt: skip
         pairs = zip(self.numbers("front"), self.numbers("front_outcome"), strict=True)
         front = [dict(zip((*outcomes, *self.keys), (f"{x:.5g}" for x in (*y, *point)), strict=True))
                  for point, y in pairs]  # fmt: skip
-        return tables | ({"Front": front} if front else {})
+        return {"Free keys": keys, "Outcomes": rows} | ({"Front": front} if front else {})
 
     def drawings(self) -> Iterator[Drawing]:
         """Yield the history of the search, and the front of two aims."""
@@ -752,8 +753,7 @@ class OptimumResult(QuestionResult):
         label = partial(label_of, scene=table.scene)
         bounds = {label(name): one.bound for one in table.limit for name in outcomes
                   if name.partition(", scene")[0] == str(one.outcome)}  # fmt: skip
-        values = self.numbers("search_outcome").T
-        by_label = dict(zip(map(label, outcomes), values, strict=True))
+        by_label = dict(zip(map(label, outcomes), self.numbers("search_outcome").T, strict=True))
         draw = partial(design_search, by_label, bounds, title=self.title)
         yield Drawing("search", "Outcomes of the search, with their limits.", draw)
         if len(front := self.numbers("front_aim")):

@@ -31,6 +31,7 @@ from tractive_sam.fitting.response import (
     QuestionResult,
     Response,
     label_of,
+    name_with_unit,
     open_question,
     run_question,
 )
@@ -515,7 +516,8 @@ class SpreadResult(QuestionResult):
         columns = {name: self.numbers(name) for name in self.variables}
         rows, causes = [], []
         for k, name in enumerate(self.texts("outcome")):
-            row = {"outcome": name, "at medians": f"{columns['nominal'][k]:.4g}"}
+            named = name_with_unit(name, self.design.spread.scene)
+            row = {"outcome": named, "at medians": f"{columns['nominal'][k]:.4g}"}
             row |= {"mean": f"{columns['mean'][k]:.4g}", "sd": f"{columns['sd'][k]:.3g}"}
             for j, p in enumerate(columns["percentile"]):
                 low, high = columns["quantile_low"][k, j], columns["quantile_high"][k, j]

@@ -141,6 +141,11 @@ def quantity_of(name: str, scene: Scene) -> Quantity:
     return index_by_name(COLUMNS)[re.split("[ ,]", name)[0]].with_units_of(scene)
 
 
+def name_with_unit(name: str, scene: Scene) -> str:
+    """Return the name of an outcome and its unit, as "p_max at 5 (MPa)"."""
+    return format_with_unit(name, quantity_of(name, scene).unit)
+
+
 def label_of(name: str, scene: Scene) -> str:
     """Return the axis label of an outcome, as "worn_mass A at 5, scene 2", with its unit."""
     quantity = quantity_of(name, scene)

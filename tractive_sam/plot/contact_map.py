@@ -121,7 +121,7 @@ class ContactView:
             self.title,
             quantity,
             self.position if self.at or in_course else "",
-            describe_friction(self.contact.frame),
+            describe_friction(self.contact.frame, self.contact.scene),
             self.scale.note if scaled else "",
         )
 
@@ -563,7 +563,7 @@ class ContactMap:
         frame = MapFrame.from_contacts(*views, width=1.7 * LOOK.width / len(views))
         first = views[0]
         quantity += first.edge_note + frame.stretch_note
-        friction = describe_friction(first.contact.frame)
+        friction = describe_friction(first.contact.frame, first.contact.scene)
         title = format_title(first.title, quantity, friction, first.scale.note)
         # A line of room for the positions of the maps.
         figure = new_map_figure(layout.row_width(frame, len(views)), frame, title, positions=True)

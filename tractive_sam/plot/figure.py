@@ -533,16 +533,22 @@ def format_title(title: str, *notes: str) -> str:
 
 def history_title(history: History, quantity: str, scale: str = "") -> str:
     """Return the title of a figure of a quantity over the course of a history."""
-    return format_title(history.title, quantity, describe_friction(history.frame), scale)
+    return format_title(
+        history.title, quantity, describe_friction(history.frame, history.scene), scale
+    )
 
 
-def describe_friction(frame: Frame | None) -> str:
+def describe_friction(frame: Frame | None, scene: Scene) -> str:
     """Return the friction coefficients as text, with the angle if they differ."""
     if frame is None:
         return ""
+    law = scene.friction.law if scene.friction else "constant"
+    at_rest = " at rest" * (isinstance(law, str) and law != "constant")
     first, second = frame.mu
     angle = math.degrees(frame.angle)
-    return f"µ = {first:g}" if first == second else f"µ = {first:g}/{second:g}, β = {angle:g}°"
+    if first == second:
+        return f"µ = {first:g}{at_rest}"
+    return f"µ = {first:g}/{second:g}{at_rest}, β = {angle:g}°"
 
 
 def wrap_title(text: str, width: float) -> list[str]:

@@ -151,6 +151,7 @@ class Friction(LawTable):
     (0.33, 0.33)
     """
 
+    key_advice: ClassVar[Mapping[str, str]] = {"mu_s": "static", "mu_k": "kinetic"}
     static: OptionalOrthotropicPositive = optional(
         "friction coefficients at rest, for a law that falls with the sliding speed"
     )
