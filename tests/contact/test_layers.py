@@ -174,7 +174,7 @@ def test_worn_coating_is_reported():
     scene = scene.replace(**{"body.A.layer[0].thickness": 0.02})
     thinned = caveats(ts.roll(scene))["layers"]
     assert "body A" in thinned
-    assert "wear.revolutions" in thinned
+    assert "wear.layer_step" in thinned
     through = scene.replace(**{"body.A.layer[0].thickness": 1e-3})
     assert "worn through" in caveats(ts.roll(through))["layers"]
     assert "layers" not in caveats(ts.roll(scene.replace(**{"wear.revolutions": 10})))

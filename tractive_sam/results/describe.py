@@ -350,8 +350,8 @@ def _describe_worn_layers(history: HistoryData, share: float = 0.1) -> str:
         return ""
     if follows:
         return f"{'; '.join(texts)}; the contact continues with what lies below"
-    cure = "the contact is computed with unworn layers: use fewer wear.revolutions, and continue "
-    return f"{'; '.join(texts)}; {cure}with a thinner layer"
+    cure = "the contact is computed with unworn layers: set wear.layer_step, or continue with a "
+    return f"{'; '.join(texts)}; {cure}thinner layer"
 
 
 def _describe_implausible_pressure(history: HistoryData) -> str:

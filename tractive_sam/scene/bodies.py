@@ -353,8 +353,8 @@ class Bodies(Table):
                 for label, text in kind.describe_part(body.given(key), body.response):
                     yield Row(f"{label} of {name}", text, brief=True)
         if any(body.layer for body in (self.A, self.B)):
-            text = "in steps" if scene.has("wear.layer_step") else "not at all"
-            yield Row("layers", f"thinned by wear {text}; heat flows as in the body below")
+            text = "thinned" if scene.has("wear.layer_step") else "not thinned"
+            yield Row("layers", f"{text} by wear; heat flows as in the body below")
         if self.depends_on_length and (contact := scene.hertz) is not None:
             modulus = self.contact_modulus(contact.mean_semi_axis, scene.creepage.speed)
             text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
