@@ -487,7 +487,7 @@ def _stored(name: str, outcome: Outcome) -> float:
     The frictional work is the supplied work minus the stored energy. Most of the supplied work may
     be stored, and wear is proportional to the frictional work.
     """
-    work = outcome.values.get("friction_work", np.zeros(1)).max(initial=0.0)
+    work = np.abs(outcome.values.get("friction_work", np.zeros(1))).max(initial=0.0)
     of_work = ("friction_work", "step_friction")
     if work <= 0.0 or (name not in of_work and group_of(name) not in ("wear", "worn volume")):
         return 1.0
@@ -495,9 +495,9 @@ def _stored(name: str, outcome: Outcome) -> float:
 
 
 OF_A_STEP = re.compile(
-    r"step_.*|xi_[xy]|spin|creepage_found|slip_[xy]|dissipation|work_supplied|t_gamma.*"
+    r"step_.*|xi_[xy]|spin|creepage_found|slip_[xy]|sliding|dissipation|work_supplied|t_gamma.*"
 )
-"""Sums or means over a step of a transient, which depend on the length of the step."""
+"""Sums, means and states of a step of a transient, which depend on the length of the step."""
 
 
 def differences(
