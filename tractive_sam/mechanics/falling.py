@@ -16,8 +16,8 @@ its bulk temperature.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -272,7 +272,7 @@ class FallingCoulomb(Coulomb):
 
     def weakened(self, factor: float) -> "FallingCoulomb":
         """Return the law with its friction coefficients, not its strength, times a factor."""
-        return self if factor == 1.0 else FallingCoulombInStep(**vars(self), factor=factor)
+        return self if factor == 1.0 else self._in_step(factor=factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
         """Return the law with past friction if it has a memory, else itself; raise with strength.
@@ -286,7 +286,12 @@ class FallingCoulomb(Coulomb):
             raise ValueError(
                 "FallingCoulomb: a transient cannot have both memory and strength; omit one of them"
             )
-        return FallingCoulombInStep(**vars(self), past=past) if self.memory > 0.0 else self
+        return self._in_step(past=past) if self.memory > 0.0 else self
+
+    def _in_step(self, **settings: Any) -> "FallingCoulombInStep":
+        """Return the law for a step of a transient with its settings."""
+        own = {one.name: getattr(self, one.name) for one in fields(self)}
+        return FallingCoulombInStep(**own, **settings)
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
         """Return the traction bound at rest, or for infinite sliding if the speed is infinite."""
