@@ -23,7 +23,7 @@ from timing import seconds, show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.mechanics.layers import _stored_images
+from tractive_sam.mechanics.layers import _image_coefficients
 from tractive_sam.schema import PlausibilityWarning
 
 RIGID = {"young": 1e6, "poisson": 0.3, "radius_x": 10.0, "radius_y": 10.0}
@@ -113,7 +113,7 @@ def cost():
     offsets = lattice.padded[0] // 2 + 1, lattice.padded[1] // 2 + 1
 
     def tables(bodies):
-        _stored_images.cache_clear()
+        _image_coefficients.cache_clear()
         for component in ("xx", "xy", "yy", "zz", "xz", "yz"):
             bodies.coefficients(component, offsets, lattice.dx, lattice.dy)
 

@@ -685,16 +685,9 @@ class LinearHalfSpaces(Elasticity):
             return table
         table = dx * _combine(component, integrals_of(dy / dx).at(nx, ny), amplitudes[:, 0])
         if heights.size > 1:
-            stored = _stored_images(self, dx, dy)
-            images = stored.get(component, np.empty((0, 0)))
-            if images.shape[0] < nx or images.shape[1] < ny:
-                wider = max(images.shape[0], nx), max(images.shape[1], ny)
-                together = _share_functions(component)
-                raised = heights[1:], amplitudes[:, 1:]
-                each = load_rectangles(together, wider, (dx, dy), *raised)
-                stored.update(zip(together, each, strict=True))
-                images = stored[component]
-            table += images[:nx, :ny]
+            together = _share_functions(component)
+            images = _image_coefficients(self, together, _round_up(nx), _round_up(ny), dx, dy)
+            table += images[together.index(component), :nx, :ny]
         return table
 
     def distant_coefficients(
@@ -933,8 +926,19 @@ _distant_integrals = lru_cache(4)(
 )
 """The kernel integrals at distances x and offsets in y, (6, len(x), rows), mm."""
 
-_stored_images = lru_cache(16)(lambda law, dx, dy: dict[str, np.ndarray]())
-"""Influence coefficients of images by component, for `LinearHalfSpaces.coefficients`."""
+
+def _round_up(count: int) -> int:
+    """Return the number of offsets in a table: few sizes, and none depends on earlier tables."""
+    return -(-count // 32) * 32
+
+
+@lru_cache(48)
+def _image_coefficients(
+    law: LinearHalfSpaces, components: tuple[str, ...], nx: int, ny: int, dx: float, dy: float
+) -> np.ndarray:
+    """Return influence coefficients of images, see `LinearHalfSpaces.coefficients`."""
+    heights, amplitudes = law.images
+    return load_rectangles(components, (nx, ny), (dx, dy), heights[1:], amplitudes[:, 1:])
 
 
 def pair(A: SurfaceResponse, B: SurfaceResponse, datum: float | None = None) -> LinearHalfSpaces:
