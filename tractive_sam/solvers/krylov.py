@@ -187,7 +187,7 @@ def conjugate_residuals(
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
     rows = min(max_steps, 12)
-    make = _memory if residual.nbytes <= 2**18 else np.empty
+    make = _memory if residual.nbytes <= 2**16 else np.empty
     space: np.ndarray = make((3, rows, residual.size), kind)
     triangle, along, size = np.zeros((rows, rows)), np.zeros(rows), prod(system.shape)
     k = 0
