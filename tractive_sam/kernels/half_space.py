@@ -157,7 +157,7 @@ def _expand(x: np.ndarray, y: np.ndarray, dx: float, dy: float) -> np.ndarray:
         k, power = k + n + 2, power * inverse
     values = np.empty((6, *x.shape))
     # Not by BLAS, which rounds the last columns otherwise: they depended on the size of the table.
-    r1, xx, xy, x2, y2 = np.einsum("kt,txy->kxy", moments @ factors, rows)
+    r1, xx, xy, x2, y2 = np.einsum("kt,t...->k...", moments @ factors, rows)
     values[0], values[1] = r1 * root, xx * root
     values[2] = values[0] - values[1]
     values[3] = x * y * root * inverse * xy
