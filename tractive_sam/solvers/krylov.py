@@ -154,7 +154,10 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 _memory = PlanCache(np.empty, 4)
-"""Array of a shape and a number type; the thread uses its memory again for the next system."""
+"""Array of a shape and a number type; the thread uses its memory again for the next system.
+
+A system must therefore not solve another one of its size.
+"""
 
 
 def conjugate_residuals(
